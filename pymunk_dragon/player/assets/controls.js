@@ -59,9 +59,10 @@ function connectFields(player) {
 // Events to go to, and the precision of the run, in the page's language.
 function writeLists({ events, motion }) {
   const first = events.length ? localized("Go to an event …") : localized("No events");
-  element("events").replaceChildren(new Option(first, ""), ...events.map((event, i) => new Option(`${event.time.toFixed(2)} s: ${event.text}`, i)));
+  const options = events.map(({ time, text }, i) => new Option(`${time.toFixed(2)} s: ${text}`, i));
+  element("events").replaceChildren(new Option(first, ""), ...options);
   setText("precision", localized("Positions are stored to within {error} μm in {frames} frames; between two frames,"
-    + " benches move on cubic polynomials of time that match the positions and velocities of both. Numbers are shown with"
-    + " the digits that are certain.",
+    + " benches move on cubic polynomials of time that match the positions and velocities of both. Numbers are shown"
+    + " with the digits that are certain.",
   { error: Number((1e6 * motion.positionError).toPrecision(2)), frames: motion.times.length }));
 }

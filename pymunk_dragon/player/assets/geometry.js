@@ -3,16 +3,6 @@
 // Margin around a bench in cells, as in the package's grid: rounding never loses a cell.
 const CELL_SLACK = 1e-8;
 
-// Positions of the handles: handle i is the front hole of bench i, the last handle is the tail's rear hole.
-function handlesOf(spacings, poses) {
-  const last = spacings.length - 1;
-  return Array.from({ length: last + 2 }, (_, i) => {
-    const bench = Math.min(i, last);
-    const half = (i <= last ? 1 : -1) * spacings[bench] / 2;
-    return [poses.x[bench] + half * poses.cos[bench], poses.y[bench] + half * poses.sin[bench]];
-  });
-}
-
 // Poses as columns, with cosines and sines; `poseOf` tells x, y and angle of a body.
 function posesFrom(count, poseOf) {
   const poses = { x: [], y: [], angle: [], cos: [], sin: [] };
@@ -39,8 +29,16 @@ class Benches {
     this.poses = poses;
   }
 
+  // Positions of the handles: handle i is the front hole of bench i, the last handle is the tail's rear hole.
   get handles() {
-    return (this.cachedHandles ??= handlesOf(this.motion.spacings, this.poses));
+    const last = this.motion.benches - 1;
+    return (this.cachedHandles ??= range(0, last, last).map((i) => this.hole(i, 1)).concat([this.hole(last, -1)]));
+  }
+
+  // The front hole of bench `i`, or with the side -1 the rear one.
+  hole(i, side) {
+    const { x, y, cos, sin } = this.poses, half = side * this.motion.spacings[i] / 2;
+    return [x[i] + half * cos[i], y[i] + half * sin[i]];
   }
 
   // Corners: rear right, front right, front left, rear left.
@@ -51,18 +49,12 @@ class Benches {
       ([a, c]) => [x[i] + a * cos[i] - c * sin[i], y[i] + a * sin[i] + c * cos[i]]);
   }
 
-  // A point in the coordinates of bench `i`: metres ahead of its centre, and to the left.
-  toLocal(i, [px, py]) {
-    const { x, y, cos, sin } = this.poses;
-    const dx = px - x[i], dy = py - y[i];
-    return [dx * cos[i] + dy * sin[i], dy * cos[i] - dx * sin[i]];
-  }
-
   // Point of bench `i` that is closest to a point, and the distance; 0 within the bench.
-  nearestPoint(i, point) {
-    const { x, y, cos, sin } = this.poses;
-    const [ahead, left] = this.toLocal(i, point);
+  nearestPoint(i, [px, py]) {
+    const { x, y, cos, sin } = this.poses, dx = px - x[i], dy = py - y[i];
     const along = this.motion.lengths[i] / 2, across = this.motion.widths[i] / 2;
+    // In the coordinates of the bench.
+    const ahead = dx * cos[i] + dy * sin[i], left = dy * cos[i] - dx * sin[i];
     const a = Math.min(Math.max(ahead, -along), along), c = Math.min(Math.max(left, -across), across);
     return {
       distance: Math.sqrt((ahead - a) ** 2 + (left - c) ** 2),

@@ -18,7 +18,7 @@ async function start() {
 
 // For pages that hold this one in a frame: `frame.contentWindow.dragon.then((player) => player.seek(409.8))`.
 function publicPlayer(player) {
-  const { motion, view } = player;
+  const { motion, view } = player, rows = (poses) => poses?.x.map((x, i) => [x, poses.y[i], poses.angle[i]]) ?? null;
   return Object.freeze({
     play: () => player.play(),
     pause: () => player.pause(),
@@ -31,16 +31,9 @@ function publicPlayer(player) {
     pixel: (x, y) => view.toScreen(x, y),
     // Positions of the handles in a frame: x0, y0, x1, y1, ...
     handles: (frame) => Array.from(vectorsIn(player.motion.packed, frame)),
-    // Poses [x, y, angle] of the benches at a time.
-    poses: (time) => {
-      const { x, y, angle } = motion.posesAt(time);
-      return Array.from(x, (_, i) => [x[i], y[i], angle[i]]);
-    },
-    // Poses [x, y, angle] of the exact model at a time; null if unknown.
-    exactPoses: (time) => {
-      const poses = player.exact && player.exact.posesBeside(new Benches(motion, motion.posesAt(time)), time);
-      return poses && Array.from(poses.x, (_, i) => [poses.x[i], poses.y[i], poses.angle[i]]);
-    },
+    // Poses [x, y, angle] at a time of the benches, and of the exact model; null if unknown.
+    poses: (time) => rows(motion.posesAt(time)),
+    exactPoses: (time) => rows(player.exact?.posesBeside(new Benches(motion, motion.posesAt(time)), time)),
     get rate() { return player.currentRate; },
     get timeline() { return [player.timeline.from, player.timeline.to]; },
     // Numbers of a bench at the current time.

@@ -145,7 +145,7 @@ class Player extends Stage {
   // ---- timeline
 
   zoomTimeline(factor) {
-    this.timeline.zoomAround(factor, this.time);
+    this.timeline.zoom(factor, 0, this.time);
     this.requestDraw();
   }
 

@@ -55,11 +55,7 @@ class Timeline {
   }
 
   // Zoom around a pixel, as a view does.
-  zoom(factor, px) {
-    this.zoomAround(factor, this.timeAt(px));
-  }
-
-  zoomAround(factor, time) {
+  zoom(factor, px, time = this.timeAt(px)) {
     const share = this.length > 0 ? (time - this.from) / this.length : 0;
     const length = Math.max(this.length / factor, SHORTEST_PART);
     this.setPart(time - share * length, length);

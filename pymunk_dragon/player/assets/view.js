@@ -1,4 +1,4 @@
-// Camera: the visible part of the plane, x to the right and y up (down where `up` is -1) in m; pixels go right and down.
+// Camera: the visible part of the plane, x to the right and y up (down where `up` is -1) in m; pixels go down.
 
 // Pixels: largest width of a bench. A near miss of the reference scenario is then some 60 pixels wide.
 const WIDEST_BENCH = 20000;

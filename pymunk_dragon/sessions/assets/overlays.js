@@ -64,12 +64,11 @@ function drawImpulses(painter, frame) {
 }
 
 // A cross at both holes of each cut joint.
-function drawCuts({ context, view, model, colours }, { x, y, cos, sin }, cuts) {
+function drawCuts({ context, view, colours }, benches, cuts) {
   const path = new Path2D();
   for (const joint of cuts) {
-    for (const [i, side] of [[joint, -1], [joint + 1, 1]]) {
-      const half = side * model.spacings[i] / 2;
-      const [px, py] = view.toScreen(x[i] + half * cos[i], y[i] + half * sin[i]);
+    for (const hole of [benches.hole(joint, -1), benches.hole(joint + 1, 1)]) {
+      const [px, py] = view.toScreen(...hole);
       path.moveTo(px - CUT_MARK, py - CUT_MARK);
       path.lineTo(px + CUT_MARK, py + CUT_MARK);
       path.moveTo(px - CUT_MARK, py + CUT_MARK);

@@ -187,7 +187,7 @@ class Lab {
 }
 
 // A part of the stage's canvas. `view()` is {x, y, size}: the middle of the floor in view and its height in m, and
-// `wide`, its width, if that differs; or of a chart {across, up, name, tick} as in `axes`, with a name in both languages.
+// `wide`, its width, if that differs; or of a chart {across, up, name, tick} as in `axes`, with both languages' names.
 class StagePane extends Pane {
   constructor(lab, share, view, draw) {
     super(lab.context, lab);
