@@ -106,13 +106,8 @@ class Benches {
 
   // The bench within `slip` m of a point; the lowest number if the point is on several.
   at(point, slip) {
-    let found = null, nearest = slip;
-    for (let i = 0; i < this.motion.benches; i++) {
-      const { distance } = this.nearestPoint(i, point);
-      if (distance === 0) return i;
-      if (distance <= nearest) [found, nearest] = [i, distance];
-    }
-    return found;
+    const last = this.motion.benches - 1;
+    return nearestWithin(slip, range(0, last, last), (i) => this.nearestPoint(i, point).distance);
   }
 
   // Grid cells [row, column] that bench `i` touches or covers: rows count downward, columns to the right.

@@ -45,13 +45,8 @@ class Model {
       const benches = new Benches(this, poses), bench = benches.at(point, slip);
       return bench === null ? null : { bench, ...benches.nearestPoint(bench, point) };
     }
-    let found = null;
-    for (const call of calls) {
-      if (!call.moves || found?.distance === 0) continue;
-      const near = nearestOnShape(call, point);
-      if (near.distance <= slip && near.distance < (found?.distance ?? Infinity)) found = { call, ...near };
-    }
-    return found;
+    const near = calls.filter(({ moves }) => moves).map((call) => ({ call, ...nearestOnShape(call, point) }));
+    return nearestWithin(slip, near, ({ distance }) => distance);
   }
 
   // The joints of a frame: number, two ends and force. Those of a dragon are the holes that two benches share.
@@ -67,12 +62,7 @@ class Model {
 
   // The joint whose line passes within `slip` of a point; null if there is none.
   jointAt(point, slip, joints) {
-    let found = null, nearest = slip;
-    for (const joint of joints) {
-      const { distance } = nearestOnSegment(...joint.ends, point);
-      if (distance <= nearest) [found, nearest] = [joint, distance];
-    }
-    return found;
+    return nearestWithin(slip, joints, ({ ends }) => nearestOnSegment(...ends, point).distance);
   }
 }
 
