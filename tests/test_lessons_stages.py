@@ -21,9 +21,8 @@ pytestmark = [pytest.mark.thorough, needs_browser]
 LESSONS = Path(pymunk_dragon.lessons.__file__).parent
 ASSETS = LESSONS / "_framework/assets"
 FRAME = """
-:root { color-scheme: light dark; --ink: #27303f; --quiet: #5d6675; --rule: #e4dcca; --link: #2f6594; }
-@media (prefers-color-scheme: dark) { :root { --ink: #e7e3da; --quiet: #a3a9b4; --rule: #38404d; --link: #8db4d6; } }
-body { margin: 1rem; background: light-dark(#fdfbf6, #171b22); color: var(--ink); font: 1.05rem/1.6 system-ui; }
+:root { color-scheme: light; --ink: #27303f; --quiet: #5d6675; --rule: #e4dcca; --link: #2f6594; }
+body { margin: 1rem; background: #fdfbf6; color: var(--ink); font: 1.05rem/1.6 system-ui; }
 main { max-width: 46rem; }
 """
 # m.

@@ -6,13 +6,8 @@ const MAGNIFIED_SHARE = 0.3; // of the width of a bench
 
 class Exact {
   constructor(motion, offsets) {
-    this.motion = motion;
-    this.offsets = offsets;
-  }
-
-  // m: error of a position error.
-  get resolution() {
-    return this.offsets.step / Math.SQRT2;
+    // The error of a position error, m.
+    Object.assign(this, { motion, offsets, resolution: offsets.step / Math.SQRT2 });
   }
 
   // Offsets in m of all handles at a time, x0, y0, x1, y1, ..., linear between frames; null if unknown.

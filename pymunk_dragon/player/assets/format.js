@@ -4,10 +4,8 @@ const LENGTH_DIGITS = 3; // significant digits of a length
 const DECIMALS_MM = 3; // most decimals of a length in mm
 const DECIMALS_M = 2; // decimals of a length in m
 const SMALL_ERROR = 1e-4; // m
-// s: a time this close to a near miss counts as the near miss.
-const NEAR_MISS_TIME = 0.05;
-// Largest number of events in a description.
-const MAX_EVENTS = 3;
+const NEAR_MISS_TIME = 0.05; // s: a time this close to a near miss counts as the near miss
+const MAX_EVENTS = 3; // most events in a description
 
 // Known decimals of a number with an error: the last one is worth no less than the error.
 const decimals = (error) => Math.max(0, Math.floor(-Math.log10(error)));

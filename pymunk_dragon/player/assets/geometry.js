@@ -1,7 +1,6 @@
 // Rectangles of the benches: corners, distances, and the grid cells that they cover.
 
-// Margin around a bench in cells, as in the package's grid: rounding never loses a cell.
-const CELL_SLACK = 1e-8;
+const CELL_SLACK = 1e-8; // cells: margin around a bench, as in the package's grid; rounding never loses a cell
 
 // Poses as columns, with cosines and sines; `poseOf` tells x, y and angle of a body.
 function posesFrom(count, poseOf) {
@@ -25,8 +24,7 @@ function posesBetween(handles) {
 // Benches at their poses; `motion` has their number `benches` and their `lengths`, `widths` and `spacings`.
 class Benches {
   constructor(motion, poses) {
-    this.motion = motion;
-    this.poses = poses;
+    Object.assign(this, { motion, poses });
   }
 
   // Positions of the handles: handle i is the front hole of bench i, the last handle is the tail's rear hole.

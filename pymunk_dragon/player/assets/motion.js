@@ -1,9 +1,7 @@
 // Poses of the benches, velocities of the handles and benches in contact at any time.
 
-// s: a contact is shown this much before it begins, because the time in a link to it is rounded.
-const LINK_TOLERANCE = 1e-6;
-// Frames whose poses are cached: slow motion needs the two around a time and their neighbours in every picture.
-const CACHED_FRAMES = 8;
+const LINK_TOLERANCE = 1e-6; // s: a contact is shown this much before it begins, as times in links are rounded
+const CACHED_FRAMES = 8; // slow motion needs the two frames around a time and their neighbours in every picture
 
 // The same angle from -pi to pi.
 const normalizeAngle = (angle) => angle - TURN * Math.floor((angle + Math.PI) / TURN);

@@ -1,8 +1,7 @@
 // Languages of the page: its texts are English, and the page has a catalogue from English to each other language.
 
 const CATALOGUES = { en: {}, ...JSON.parse(element("texts").textContent) };
-// Elements without texts of the page.
-const UNTRANSLATED = "script, style, svg, canvas, kbd, code, [translate=no]";
+const UNTRANSLATED = "script, style, svg, canvas, kbd, code, [translate=no]"; // elements without texts of the page
 const HAS_LETTERS = /\p{L}/u;
 const LANGUAGE_NAMES = { en: "English", zh: "中文" };
 const KEY_SIGNS = { ArrowLeft: "←", ArrowRight: "→", "-": "−" };

@@ -27,12 +27,8 @@ function eventsOf(payload) {
 
 class Timeline {
   constructor(strip, slider, motion, events) {
-    this.strip = strip;
-    this.slider = slider;
-    this.motion = motion;
-    this.events = events;
-    this.width = 1;
-    this.showAll();
+    Object.assign(this, { strip, slider, motion, events, width: 1 });
+    this.setPart(motion.begin, Infinity);
   }
 
   get isWhole() {
@@ -48,10 +44,6 @@ class Timeline {
 
   get to() {
     return this.from + this.length;
-  }
-
-  showAll() {
-    this.setPart(this.motion.begin, Infinity);
   }
 
   // Zoom around a pixel, as a view does.
@@ -138,8 +130,7 @@ class Timeline {
 
 const SLOWEST = 1 / 8; // simulated over real time
 const APPROACH = 2; // 1/s: speed over the time to the event
-// s: a contact that begins so soon after another one has no slow motion of its own, as in a pile-up.
-const APART = 2;
+const APART = 2; // s: a contact that begins so soon after another one has no slow motion of its own
 
 // Times of the events that playing slows down at: near misses, and contacts after a time without one.
 function slowTimes(events) {

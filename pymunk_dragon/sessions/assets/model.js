@@ -3,8 +3,7 @@
 class Model {
   constructor(scene) {
     const { dragon, field } = scene;
-    this.scene = scene;
-    this.field = field;
+    Object.assign(this, { scene, field });
     this.benches = dragon ? dragon.lengths.length : 0;
     this.lengths = dragon?.lengths ?? [];
     this.spacings = dragon?.spacings ?? [];

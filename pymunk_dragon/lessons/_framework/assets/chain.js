@@ -4,12 +4,9 @@
 // Share of a chord in which its end is sought step by step; a step of Newton's method below the other one is the last.
 const SEARCH_STEP = 1 / 16;
 const STEP_TOLERANCE = 1e-8;
-// Intervals of Simpson's rule for the length between two points of a drawn path.
-const INTERVALS = 100;
-// Width of an interval in which a root is found, m or s.
-const ROOT_TOLERANCE = 1e-12;
-// Ratio of the golden section.
-const GOLDEN = (Math.sqrt(5) - 1) / 2;
+const INTERVALS = 100; // of Simpson's rule for the length between two points of a drawn path
+const ROOT_TOLERANCE = 1e-12; // m or s: width of an interval in which a root is found
+const GOLDEN = (Math.sqrt(5) - 1) / 2; // ratio of the golden section
 
 // The spiral r = k theta, travelled inward; the coordinate is the arc length from the centre, negative.
 class Spiral {
