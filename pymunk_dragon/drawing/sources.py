@@ -18,8 +18,8 @@ Source = Run | March
 _CHUNK_FRAMES = 32
 # s: margin by which the search for a contact at the end of a film extends beyond the end.
 _CONTACT_MARGIN = 1e-6
-# Times at which the extent of a dragon is sampled.
-_SAMPLES = 64
+# Times at which the extent of a dragon, and the benches in view, are sampled.
+SAMPLES = 64
 
 
 def march_of(source: Source) -> March:
@@ -48,6 +48,6 @@ def poses_at(source: Source, times: Array) -> Array:
 
 def extent(source: Source, times: Array) -> tuple[Array, Array]:
     """Return the lower left and upper right corner (2,), m, of the dragon's bounding box over `times` (F,)."""
-    samples = states(source, np.linspace(times[0], times[-1], min(_SAMPLES, len(times))))
+    samples = states(source, np.linspace(times[0], times[-1], min(SAMPLES, len(times))))
     corners = np.concatenate([march_of(source).dragon.outlines(poses).reshape(-1, 2) for _, poses in samples])
     return corners.min(axis=0), corners.max(axis=0)

@@ -55,7 +55,7 @@ class Canvas:
         if headings:
             cells = [_row([lettering.line(heading, letters)], width + _GUTTER) for heading in headings]
             above.append(_row(cells, total))
-        below = _legend(self.scenes, total, letters) if film.legend and total >= _LEGEND_WIDTH else []
+        below = _legend(self.scenes, times, total, letters) if film.legend and total >= _LEGEND_WIDTH else []
         below += lettering.wrapped(film.caption, letters, total)
         # What the scenes leave free is the line between them.
         parts = [*above, Image.new("RGB", (total, height), COLOURS.curve), *below]
@@ -139,12 +139,12 @@ def _headings(sources: Sequence[Source], film: Film) -> Sequence[str]:
 
 
 def _model(source: Source) -> str:
-    """Return the name of the model that computed a source, with its guide."""
+    """Return the name of the model that computed a source, with what its guide does."""
     if isinstance(source, March) or source.player == "exact":
         return text("exact model")
     # A guide of the user's own has no other name.
-    guide = {"none": text("no guide"), "rails": text("rails")}.get(source.guide or "", source.guide or "")
-    return text(", ").join(filter(None, (text("engine"), guide)))
+    guides = {"none": text("only the head is guided"), "rails": text("dancers guide every bench")}
+    return text(": ").join(filter(None, (text("engine"), guides.get(source.guide or "", source.guide))))
 
 
 def _row(parts: Sequence[Image.Image], width: int) -> Image.Image:
@@ -156,12 +156,12 @@ def _row(parts: Sequence[Image.Image], width: int) -> Image.Image:
     return row
 
 
-def _legend(scenes: Sequence[Scene], width: int, letters: int) -> list[Image.Image]:
-    """Return the lines of a legend, and of a scale bar: the longest of 1, 2 or 5 times a power of ten, m."""
-    names = {text("head"): COLOURS.head, text("body"): COLOURS.body, text("tail"): COLOURS.tail}
-    if any(scene.contact for scene in scenes):
-        names[text("in contact")] = COLOURS.contact
-    entries = [_entry(colour, letters, letters // 2, name, letters) for name, colour in names.items()]
+def _legend(scenes: Sequence[Scene], times: Array, width: int, letters: int) -> list[Image.Image]:
+    """Return the lines of a legend of what is in view, and a scale bar: 1, 2 or 5 times a power of ten, m."""
+    names = {"head": text("head"), "body": text("body"), "tail": text("tail"), "contact": text("in contact")}
+    seen = set[str]().union(*(scene.parts(times) for scene in scenes))
+    shown = [(name, getattr(COLOURS, part)) for part, name in names.items() if part in seen]
+    entries = [_entry(colour, letters, letters // 2, name, letters) for name, colour in shown]
     for factor in filter(None, (scene.factor for scene in scenes)):
         name = text("position error x {factor:,.0f}").format(factor=factor)
         entries.append(_entry(COLOURS.motion, letters, 1, name, letters))
