@@ -11,7 +11,7 @@ import tempfile
 import time
 import warnings
 from collections.abc import Callable
-from functools import partial
+from functools import partial, reduce
 from pathlib import Path
 from typing import Any
 
@@ -36,13 +36,11 @@ from pymunk_dragon.drawing import render
 from pymunk_dragon.drawing.debug_draw import PillowDrawOptions
 from pymunk_dragon.drawing.film.layout import Canvas
 from pymunk_dragon.drawing.palette import Palette
-from pymunk_dragon.lessons import LESSONS
 from pymunk_dragon.physics import simulate
 from pymunk_dragon.player import write_player
 from pymunk_dragon.studies import max_speed, min_pitch
 from pymunk_dragon.sweeps import sweep
 
-REPEATS = sized(15, 1)
 # Pixels of a picture, and frames a second of a film.
 SIZE, FPS = 640, 20
 
@@ -78,25 +76,21 @@ def answers() -> None:
 
 
 def largest_speed() -> mp.mpf:
-    """The ratio at its top, by golden sections of the head's way; two thirds of the digits are lost to that."""
+    """The ratio at its top, where it is as large a little before as a little behind."""
     path, spacings, tiny = exact_curves.u_turn(), Dragon().spacings[:3], mp.mpf("1e-12")
 
     def ratio(way: mp.mpf) -> mp.mpf:
         before, after = (exact_curves.walked_chain(path, way + sign * tiny, spacings)[-1] for sign in (-1, 1))
         return (after - before) / (2 * tiny)
 
-    low, high, golden = mp.mpf("14.47"), mp.mpf("14.49"), (mp.sqrt(5) - 1) / 2
-    for _ in range(32):
-        one, other = high - golden * (high - low), low + golden * (high - low)
-        low, high = (low, other) if ratio(one) > ratio(other) else (one, high)
-    return 2 / ratio((low + high) / 2)
+    step, ends = mp.mpf("1e-4"), (mp.mpf("14.47"), mp.mpf("14.49"))
+    return 2 / ratio(mp.findroot(lambda at: ratio(at + step) - ratio(at - step), ends, solver="anderson", tol=1e-12))
 
 
 def plain_recursion(times: Array) -> tuple[Array, Array]:
-    """Positions (T, 224) as complex numbers, and speeds, of the reference march: the fastest way known with NumPy.
+    """Complex positions and speeds (T, 224) of the reference march, handle by handle: the fastest way known with NumPy.
 
-    It goes from handle to handle, all times at once, by Newton's method on the angle between two handles (paper,
-    eq. 10-15), which begins at the angle between the two before.
+    Newton's method (paper, eq. 10-15) on the angle between two handles begins at the angle between the two before.
     """
     dragon, k, start = Dragon(), 0.55 / (2 * np.pi), 32 * np.pi
     arc = start * np.hypot(start, 1) + np.arcsinh(start) - 2 * times / k
@@ -121,12 +115,10 @@ def plain_recursion(times: Array) -> tuple[Array, Array]:
 
 def marches() -> None:
     """Processor time of positions and velocities of 301 times x 224 handles (`model`); plain recursion has speeds."""
-    times, turn_times = np.linspace(0.0, 300.0, sized(301, 3)), np.linspace(-100.0, 100.0, sized(301, 3))
-    spiral, turn = March(), March(curve=UTurn())
-    apart = np.abs(plain_recursion(times)[0] - spiral.motion(times).points).max()
-    plain = {"plain recursion with NumPy": lambda: plain_recursion(times)}
-    works = plain | {"March.at": lambda: spiral.at(times), "on the U-turn": lambda: turn.at(turn_times)}
-    compare(works, sized(60, 1), time.process_time)
+    times, march = np.linspace(0.0, 300.0, sized(301, 3)), March()
+    works = {"plain recursion with NumPy": lambda: plain_recursion(times)}
+    compare(works | {"March.at": lambda: march.at(times)}, sized(60, 1), time.process_time)
+    apart = np.abs(plain_recursion(times)[0] - march.motion(times).points).max()
     print(f"The plain recursion and the project differ by at most {apart:.1e} m.")
 
 
@@ -140,7 +132,7 @@ def contact() -> None:
         "filing and pairing": lambda: grid.pairs(corners),
         "process": lambda: subprocess.run(command, check=True, stdout=subprocess.DEVNULL),
     }
-    compare(works, REPEATS)
+    compare(works, sized(15, 1))
 
 
 # Two boxes of the size of a bench.
@@ -252,8 +244,7 @@ def matplotlib_animation(run: Run, film: Film, path: Path) -> None:
     figure = Figure(figsize=(SIZE / 100, SIZE / 100), dpi=100)
     axes = figure.add_subplot(aspect="equal", xlim=(-11.5, 11.5), ylim=(-11.5, 11.5))
     axes.plot(*march.curve.point(np.linspace(*march.span(times[0], times[-1]), 5000)).T, color=palette.curve, lw=0.5)
-    colours = [palette.head, *[palette.body] * (march.dragon.benches - 2), palette.tail]
-    benches = PolyCollection([], facecolors=colours, edgecolors=palette.ink, linewidths=0.5)
+    benches = PolyCollection([], facecolors=palette.body, edgecolors=palette.ink, linewidths=0.5)
     axes.add_collection(benches)
     clock = axes.set_title("")
 
@@ -281,12 +272,10 @@ def films() -> None:
 
 def debug_draw() -> None:
     """Processor time of a picture of 223 benches and their pivots (`drawing.debug_draw`)."""
-    from pymunk import matplotlib_util  # It loads all of matplotlib.pyplot.
+    from pymunk import BB, matplotlib_util  # It loads all of matplotlib.pyplot.
 
     space = World(March(), start=300.0, guide="none").space
-    boxes = [shape.bb for shape in space.shapes]
-    xlim = min(box.left for box in boxes), max(box.right for box in boxes)
-    ylim = min(box.bottom for box in boxes), max(box.top for box in boxes)
+    box = reduce(BB.merge, (shape.bb for shape in space.shapes))
     options = PillowDrawOptions(Image.new("RGB", (SIZE, SIZE)), positive_y_is_up=True)
     options.fit(space)
 
@@ -296,21 +285,14 @@ def debug_draw() -> None:
 
     def with_matplotlib() -> None:
         canvas: Any = FigureCanvasAgg(Figure(figsize=(SIZE / 100, SIZE / 100), dpi=100))
-        axes = canvas.figure.add_axes((0, 0, 1, 1), xlim=xlim, ylim=ylim, aspect="equal")
+        axes = canvas.figure.add_axes(
+            (0, 0, 1, 1), xlim=(box.left, box.right), ylim=(box.bottom, box.top), aspect="equal"
+        )
         with warnings.catch_warnings(action="ignore", category=DeprecationWarning):
             space.debug_draw(matplotlib_util.DrawOptions(axes))
         canvas.draw()
 
     compare({"Pillow": with_pillow, "pymunk.matplotlib_util": with_matplotlib}, sized(9, 1), time.process_time)
-
-
-def lessons() -> None:
-    """Each lesson as a process of its own (`lessons`)."""
-    with tempfile.TemporaryDirectory() as folder:
-        names = sized(list(LESSONS), ["spiral"])
-        commands = {name: [sys.executable, "-P", str(LESSONS[name].path)] for name in names}
-        play = partial(subprocess.run, check=True, stdout=subprocess.DEVNULL, cwd=folder)
-        compare({name: partial(play, command) for name, command in commands.items()}, 1)
 
 
 def sweep_seconds(points: int, scheduler: str | None) -> float:
@@ -357,7 +339,6 @@ BENCHMARKS = {
     "pile-up": pile_up,
     "film": films,
     "debug-draw": debug_draw,
-    "lessons": lessons,
     "sweep-overhead": sweep_overhead,
     "sweep-efficiency": sweep_efficiency,
     "sweep-map": sweep_map,
