@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 from PIL import Image, ImageDraw
@@ -84,27 +83,24 @@ class Scene:
         for time, poses in states(self.source, times):
             offsets = poses[:, :2] - (poses[0, :2] if self.follow == "head" else self.centre)
             seen = np.flatnonzero(np.all(np.abs(offsets) < np.array(self.size) / self.scale / 2, axis=1))
-            special = _special(len(poses), self._contact_at(time))
+            special = _special(len(poses), self.contact if self.contact and time >= self.contact.time else None)
             kinds |= {special.get(bench, "body") for bench in seen.tolist()}
         return kinds
-
-    def _contact_at(self, time: float) -> Contact | None:
-        return self.contact if self.contact and time >= self.contact.time else None
 
     def draw(self, time: float, poses: Array) -> Image.Image:
         """Draw the benches at `poses` (N, 3) and a time, s (mode RGB)."""
         layer, march = self.layer(time, poses), march_of(self.source)
-        contact = self._contact_at(time)
-        nearest = None if contact else smallest_gap(march.dragon, poses)
+        contact = self.contact if self.contact and time >= self.contact.time else None
+        gap, bench, point = (np.inf, 0, None) if contact else _smallest_gap(march.dragon, poses)
         draw_overlays(layer, self.show, below=True)
         _draw_benches(layer, contact)
         below, ring = "", None
         if contact:
             # Short, to fit into a corner beside the spiral.
             below, ring = text("contact: benches {} and {}").format(*contact.benches), contact.point
-        elif nearest and (self.follow == "head" or nearest.distance < _SMALL_GAP):
-            below = text("gap {gap:.1f} mm to bench {bench}").format(gap=1e3 * nearest.distance, bench=nearest.bench)
-            ring = nearest.point if nearest.distance < _SMALL_GAP else None
+        elif gap < (np.inf if self.follow == "head" else _SMALL_GAP):
+            below = text("gap {gap:.1f} mm to bench {bench}").format(gap=1e3 * gap, bench=bench)
+            ring = point if gap < _SMALL_GAP else None
         if ring:
             centre = layer.pixels(ring).tolist()
             ImageDraw.Draw(layer.image).circle(centre, _RING_RADIUS * BLOCK, outline=COLOURS.ink, width=BLOCK)
@@ -154,14 +150,6 @@ class Scene:
         return layer
 
 
-class Nearest(NamedTuple):
-    """Bench closest to the head bench: its number, the distance, m, and the point midway between both, m."""
-
-    bench: int
-    distance: float
-    point: tuple[float, float]
-
-
 def text_height(size: tuple[int, int]) -> int:
     """Return the height of texts in a picture of a size, pixels."""
     return max(_MIN_TEXT_HEIGHT, round(_TEXT_HEIGHT * min(size)))
@@ -172,18 +160,15 @@ def hole_diameter(dragon: Dragon) -> float:
     return min(_HOLE_DIAMETER, _MAX_HOLE_FRACTION * float(np.minimum(dragon.widths, 2 * dragon.overhangs).min()))
 
 
-def smallest_gap(dragon: Dragon, poses: Array) -> Nearest | None:
-    """Return the bench closest to the head bench at `poses` (N, 3), its neighbour excluded; None if there is none.
-
-    The distance is 0 if the benches overlap.
-    """
+def _smallest_gap(dragon: Dragon, poses: Array) -> tuple[float, int, tuple[float, float]]:
+    """Return the smallest gap of the head at `poses` (N, 3), m, to which bench but its neighbour, and where, m."""
     if dragon.benches < 3:
-        return None
+        return np.inf, 0, (0.0, 0.0)
     corners = dragon.outlines(poses)
     found = separation(corners[0], corners[2:])
     nearest = int(np.argmin(found.distance))
     x, y = found.point[nearest].tolist()
-    return Nearest(nearest + 2, max(0.0, float(found.distance[nearest])), (x, y))
+    return max(0.0, float(found.distance[nearest])), nearest + 2, (x, y)
 
 
 def _special(benches: int, contact: Contact | None) -> dict[int, str]:

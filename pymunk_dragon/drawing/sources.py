@@ -38,12 +38,8 @@ def states(source: Source, times: Array) -> Iterator[tuple[float, Array]]:
     for chunk in np.split(times, range(_CHUNK_FRAMES, len(times), _CHUNK_FRAMES)):
         if isinstance(source, Run):
             chunk = np.clip(chunk, source.times[0], source.times[-1])
-        yield from zip(chunk.tolist(), poses_at(source, chunk), strict=True)
-
-
-def poses_at(source: Source, times: Array) -> Array:
-    """Return the poses (T, N, 3) at `times` (T,), s."""
-    return source.poses_at(times) if isinstance(source, Run) else source.at(times).poses
+        poses = source.poses_at(chunk) if isinstance(source, Run) else source.at(chunk).poses
+        yield from zip(chunk.tolist(), poses, strict=True)
 
 
 def extent(source: Source, times: Array) -> tuple[Array, Array]:

@@ -74,7 +74,7 @@ def _write_titles(figure: Figure, axes: Axes, found: Sweep, names: Sequence[str]
     axes.set_title(note.format(found.points), color=QUIET)
     title = text("{0} over {1}").format(text(found.summary), text(" and ").join(map(_words, names)))
     if values.size:
-        unit = _unit(found.columns[len(found.names)])
+        unit = UNITS.get(found.columns[len(found.names)].rpartition("_")[2], "")
         title += text(": {0:.4g} to {1:.4g} {2}").format(values.min(), values.max(), unit).rstrip()
     figure.suptitle(title, size=16)
     if axes.get_legend_handles_labels()[0]:
@@ -128,10 +128,6 @@ def _label(cells: Sequence[Any]) -> str:
 
 def _words(name: str, *, unit: bool = False) -> str:
     """The name of an axis or a column in words, with its unit if it has one."""
-    words = text(name.removesuffix("_s").replace("_", " "))
-    return text("{}, {}").format(words, _unit(name)) if unit and _unit(name) else words
-
-
-def _unit(name: str) -> str:
-    """The unit of an axis or a column, or none."""
-    return "m" if name == "start_s" else UNITS.get(name.rpartition("_")[2], "")
+    known = "m" if name == "start_s" else UNITS.get(name.rpartition("_")[2])
+    words = name.removesuffix("_s").replace("_", " ")
+    return text("{}, {}").format(text(words), known) if unit and known else text(words)

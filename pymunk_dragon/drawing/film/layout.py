@@ -18,7 +18,6 @@ from pymunk_dragon.drawing.palette import COLOURS
 from pymunk_dragon.drawing.scene import Scene, text_height
 from pymunk_dragon.drawing.sources import Source, extent, first_contact_until, march_of, states
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.model.contact import Contact
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 
@@ -83,6 +82,10 @@ def _scenes(sources: Sequence[Source], times: Array, film: Film) -> list[Scene]:
         beside = next((run for run in runs if run.march is source), None)
         run = source if isinstance(source, Run) else beside
         first, last = (run.times if run else times)[[0, -1]].tolist()
+        if isinstance(source, Run):
+            contact = source.first_contact
+        else:
+            contact = first_contact_until(source, first, last).contact if first < last else None
         scene = Scene(
             source=source,
             follow=follow,
@@ -91,7 +94,7 @@ def _scenes(sources: Sequence[Source], times: Array, film: Film) -> list[Scene]:
             size=film.shape,
             show=film.show,
             times=(first, last),
-            contact=_contact(source, first, last),
+            contact=contact,
             beside=beside,
             factor=_magnification(beside, follow) if beside else None,
         )
@@ -107,13 +110,6 @@ def _magnification(run: Run, follow: str) -> float | None:
     dragon, head = run.march.dragon, follow == "head"
     length, error = (dragon.widths, run.head_drift) if head else (dragon.spacings, run.max_drift)
     return max(1.0, float(f"{length.min() / error:.0e}")) if error > 0 else None
-
-
-def _contact(source: Source, first: float, last: float) -> Contact | None:
-    """Return the first contact of a run, or of a march between two times, s."""
-    if isinstance(source, Run):
-        return source.first_contact
-    return first_contact_until(source, first, last).contact if first < last else None
 
 
 def _field(sources: Sequence[Source], times: Array, film: Film) -> tuple[tuple[float, float], float]:
