@@ -30,7 +30,7 @@ _MIN_HOLE_DIAMETER = 4.0
 # Drawn pixels between points of the curve: long enough to be smooth in whole pixels, short enough to appear round.
 _CURVE_STEP = 6.0
 # Points of the curve: limits memory if the curve is much longer than the view.
-MAX_CURVE_POINTS = 200_000
+_MAX_CURVE_POINTS = 200_000
 # Width of the curve as a fraction of the width of the narrowest bench.
 _CURVE_WIDTH = 0.04
 # Pixels: radius of the ring around a contact or a near miss.
@@ -126,7 +126,7 @@ class Scene:
         """Points (P, 2), m, of the curve. The interval always includes the dragon's position at 0 s."""
         march = march_of(self.source)
         first, last = march.span(min(self.times[0], 0.0), max(self.times[1], 0.0))
-        points = min(int((last - first) * self.scale * BLOCK / _CURVE_STEP) + 2, MAX_CURVE_POINTS)
+        points = min(int((last - first) * self.scale * BLOCK / _CURVE_STEP) + 2, _MAX_CURVE_POINTS)
         return march.curve.point(np.linspace(first, last, points))
 
     @cached_property
