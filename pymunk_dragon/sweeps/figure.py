@@ -74,7 +74,7 @@ def _write_titles(figure: Figure, axes: Axes, found: Sweep, names: Sequence[str]
     axes.set_title(note.format(found.points), color=QUIET)
     title = text("{0} over {1}").format(text(found.summary), text(" and ").join(map(_words, names)))
     if values.size:
-        unit = UNITS.get(found.columns[len(found.names)].rpartition("_")[2], "")
+        unit = _UNITS.get(found.columns[len(found.names)].rpartition("_")[2], "")
         title += text(": {0:.4g} to {1:.4g} {2}").format(values.min(), values.max(), unit).rstrip()
     figure.suptitle(title, size=16)
     if axes.get_legend_handles_labels()[0]:
