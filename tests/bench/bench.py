@@ -119,7 +119,7 @@ def marches() -> None:
     works = {"plain recursion with NumPy": lambda: plain_recursion(times)}
     compare(works | {"March.at": lambda: march.at(times)}, sized(60, 1), time.process_time)
     apart = np.abs(plain_recursion(times)[0] - march.motion(times).points).max()
-    print(f"The plain recursion and the project differ by at most {apart:.1e} m.")
+    print(f"They differ by at most {apart:.1e} m.")
 
 
 def contact() -> None:
@@ -264,10 +264,10 @@ def films() -> None:
     with tempfile.TemporaryDirectory() as folder:
         ways: dict[str, Callable[[Path], object]] = {"render": lambda path: render(run, path, film)}
         ways |= {way.__name__: partial(way, run, film) for way in (imageio_rgb, matplotlib_animation)}
-        paths = {name: Path(folder, f"{name}.gif") for name in ways}
-        works = {name: partial(way, paths[name]) for name, way in ways.items()}
+        works = {name: partial(way, Path(folder, f"{name}.gif")) for name, way in ways.items()}
         for name, value in compare(works, sized(3, 1)).items():
-            print(f"| {name} | {value / count:.1f} ms a frame | {paths[name].stat().st_size / 1e6:.1f} MB |")
+            size = Path(folder, f"{name}.gif").stat().st_size / 1e6
+            print(f"| {name} | {value / count:.1f} ms a frame | {size:.1f} MB |")
 
 
 def debug_draw() -> None:
