@@ -135,8 +135,7 @@ def contact() -> None:
     compare(works, sized(15, 1))
 
 
-# Two boxes of the size of a bench.
-BOX = Dragon(benches=2, head_spacing=1.65)
+BOX = Dragon(benches=2, head_spacing=1.65)  # two boxes of the size of a bench
 
 
 def gaps(first: Array, last: Array, shares: Array) -> Array:
