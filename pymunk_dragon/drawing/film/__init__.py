@@ -22,7 +22,7 @@ from pymunk_dragon.drawing.film.layout import Canvas
 from pymunk_dragon.drawing.film.settings import Film, checked_sources, shared_window
 from pymunk_dragon.drawing.film.timing import Timing
 from pymunk_dragon.drawing.palette import colour_table
-from pymunk_dragon.drawing.sources import Source
+from pymunk_dragon.drawing.snapshots import Source
 
 # All endings of films and of still pictures, in lower case.
 FILM_ENDINGS, STILL_ENDINGS = tuple(WRITERS), (".png",)

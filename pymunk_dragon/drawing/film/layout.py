@@ -13,10 +13,10 @@ from pymunk_dragon._arguments import Array
 from pymunk_dragon._language import text
 from pymunk_dragon.drawing import lettering
 from pymunk_dragon.drawing.film.settings import Film
-from pymunk_dragon.drawing.overlay import check_overlays
+from pymunk_dragon.drawing.marks import check_overlays
 from pymunk_dragon.drawing.palette import COLOURS
 from pymunk_dragon.drawing.scene import Scene, text_height
-from pymunk_dragon.drawing.sources import Source, extent, first_contact_until, march_of, states
+from pymunk_dragon.drawing.snapshots import Source, extent, first_contact_until, march_of, states
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.contact import Contact
 from pymunk_dragon.model.march import March
