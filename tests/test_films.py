@@ -17,9 +17,9 @@ from pymunk_dragon.drawing import FILM_ENDINGS, lettering, still_png
 from pymunk_dragon.drawing.film.formats import WRITERS, Frames
 from pymunk_dragon.drawing.film.layout import Canvas
 from pymunk_dragon.drawing.film.timing import _events_of
-from pymunk_dragon.drawing.overlay import _impulses, _touches, _velocities
+from pymunk_dragon.drawing.marks import _impulses, _touches, _velocities
 from pymunk_dragon.drawing.palette import BLOCK, COLOURS, colour_table
-from pymunk_dragon.drawing.sources import states
+from pymunk_dragon.drawing.snapshots import states
 from pymunk_dragon.errors import DragonError
 
 MARCH = March(Dragon(benches=16), turns=4)
