@@ -12,7 +12,6 @@ import click
 
 from pymunk_dragon._files import written_in_place
 from pymunk_dragon.cli import common
-from pymunk_dragon.collision import first_contact
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March
 
@@ -36,6 +35,7 @@ def positions(times: str, handles: str | None, paper: bool, output: str | None) 
     elif common.flags_given("times", "handles", "json", "output"):
         raise click.UsageError("--paper prints all of its tables: leave out --times, --handles, --json and -o")
     else:
+        from pymunk_dragon.collision import first_contact
         from pymunk_dragon.reports import paper_tables
 
         # On a curve without end there is no last time for the search.
