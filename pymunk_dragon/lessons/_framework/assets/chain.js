@@ -4,7 +4,12 @@
 // Share of a chord in which its end is sought step by step; a step of Newton's method below the other one is the last.
 const SEARCH_STEP = 1 / 16;
 const STEP_TOLERANCE = 1e-8;
-const INTERVALS = 100; // of Simpson's rule for the length between two points of a drawn path
+// Cells between two points of a drawn path, and nodes and weights of the integral of the length in a cell.
+const CELLS = 8;
+const GAUSS = [
+  [0, 0.5688888888888889], [-0.5384693101056831, 0.47862867049936647], [0.5384693101056831, 0.47862867049936647],
+  [-0.906179845938664, 0.23692688505618908], [0.906179845938664, 0.23692688505618908],
+];
 const ROOT_TOLERANCE = 1e-12; // m or s: width of an interval in which a root is found
 const GOLDEN = (Math.sqrt(5) - 1) / 2; // ratio of the golden section
 
@@ -135,13 +140,16 @@ class DrawnPath {
   }
 
   length(s) {
-    const i = Math.min(this.piece(s), this.lengths.length - 1), step = (s - this.knots[i]) / INTERVALS;
-    let sum = 0;
-    for (let k = 0; k <= INTERVALS; k++) {
-      const [, , dx, dy] = this.motion(this.knots[i] + k * step, i), weight = k % INTERVALS ? 2 + 2 * (k % 2) : 1;
-      sum += weight * Math.sqrt(dx * dx + dy * dy);
+    const i = Math.min(this.piece(s), this.lengths.length - 1), half = (s - this.knots[i]) / 2 / CELLS;
+    let sum = this.lengths[i];
+    for (let cell = 0; cell < CELLS; cell++) {
+      const middle = this.knots[i] + (2 * cell + 1) * half;
+      for (const [node, weight] of GAUSS) {
+        const [, , dx, dy] = this.motion(middle + half * node, i);
+        sum += weight * half * Math.sqrt(dx * dx + dy * dy);
+      }
     }
-    return this.lengths[i] + sum * step / 3;
+    return sum;
   }
 
   atLength(length) {
