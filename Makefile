@@ -46,7 +46,7 @@ $(VENV)/tools: $(VENV)/documentation
 	@$(PYTHON) -m venv --clear $(@D)
 	@$(@D)/bin/pip install --quiet uv
 	@$(@D)/bin/uv pip install --quiet --python $(@D) --resolution $(RESOLUTION) --editable ".[all]"
-	@$(@D)/bin/uv pip install --quiet --python $(@D) --group test
+	@$(@D)/bin/uv pip install --quiet --python $(@D) --group dev
 	@touch $@
 
 # What makes each file: the arguments of pymunk-dragon. A file is made again when its line here, the code that makes it
