@@ -18,8 +18,7 @@ def signals_held(holds: Callable[[], bool] = lambda: True) -> Iterator[Callable[
 
     They are also run at the end. Where no handler can be set, outside the main thread or in a browser, nothing changes.
     """
-    found = {number: signal.getsignal(number) for number in ENDING}
-    handlers: dict[int, Any] = {number: handler for number, handler in found.items() if callable(handler)}
+    handlers: dict[int, Any] = {each: handler for each in ENDING if callable(handler := signal.getsignal(each))}
     held: list[int] = []
 
     def handle(number: int, frame: FrameType | None) -> None:
