@@ -10,15 +10,15 @@ import pymunk_dragon
 # Modules of the standard library that Windows lacks.
 POSIX = {"crypt", "curses", "fcntl", "grp", "posix", "pty", "pwd", "resource", "spwd", "syslog", "termios", "tty"}
 
-# Python in a browser imports `threading` and `signal`, but starts no thread and no process.
+# Python in a browser imports `threading`, `signal` and `subprocess`, but starts no thread and no process.
 BROWSER = """
-import os, signal, sys, threading
+import os, signal, subprocess, sys, threading
 
 def refuse(*arguments, **named):
     raise OSError("not in a browser")
 
-sys.modules |= dict.fromkeys(("_multiprocessing", "multiprocessing", "subprocess"))
-threading.Thread.start = os.fork = signal.signal = refuse
+sys.modules |= dict.fromkeys(("_multiprocessing", "multiprocessing"))
+threading.Thread.start = subprocess.Popen.__init__ = os.fork = signal.signal = refuse
 from pymunk_dragon import Dragon, March, first_contact, render, simulate
 
 march = March(Dragon(benches=16), turns=8)
