@@ -2,7 +2,7 @@
 stages.sat = (lab) => {
   const near = 2.3, apart = 0.28, half = 2.2; // m from the centre to the walls, between them, half their lengths
   const farthest = 1.2, hole = 0.825; // m from the centre to the benches', and from there to their holes
-  const count = lab.slider(["walls", "墙的面数"], { min: 1, max: 5, step: 1, value: 4 });
+  const count = lab.slider(["walls", "墙的面数"], { min: 1, max: 5, step: 1, value: 1 });
   const poses = [[-0.8, -0.45, 0], [0.8, 0.45, Math.PI / 6]]; // x, y, angle
   let own = 0.8, benches, walls;
 

@@ -61,8 +61,7 @@ plt.savefig("speed-limit.png", bbox_inches="tight")
 # The ratio of 1.605: type $\cos 46.0060^\circ / \cos 63.4555^\circ$ times $\cos 4.7067^\circ / \cos 15.1517^\circ$ into
 # a calculator that reckons in degrees. Bench 1 adds nothing: it is a chord of one arc, which meets it at equal angles.
 # ## Try
-# Move the head through the turn, and find where a handle is fastest: on which arcs are head and handle then? Lower the
-# head's speed until nobody exceeds 2 m/s.
+# Move the head to where a handle is fastest: on which arcs are they then? Slow the head until nobody exceeds 2 m/s.
 # ## Change
 # Set `ratio` to 1.0, two equal arcs: how fast may the head go now, and where is it when the speed is largest?
 # ## Teacher
