@@ -238,14 +238,14 @@ def test_sat_says_how_far_two_benches_are_apart(visit):
             distance = separation(*pymunk_dragon.outlines(poses, [2.2, 2.2], 0.3)).distance.item()
             return f"are {distance:.3f} m apart." if distance > 0 else f"overlap by {-distance:.3f} m."
 
-        assert readout(page) == f"Light on none of 1 walls. The benches, at 30°, {verdict()}"
+        assert readout(page) == f"Walls with light: none of 1. The benches, at 30°, {verdict()}"
         set_slider(page, "walls", 4)
-        assert readout(page) == f"Light on 1 of 4 walls, up to 0.070 m wide. The benches, at 30°, {verdict()}"
+        assert readout(page) == f"Walls with light: 1 of 4, up to 0.070 m wide. The benches, at 30°, {verdict()}"
         scale = page.locator("canvas").bounding_box()["height"] / 7.2
         drag(page, "The amber bench: drag it", -30, 40)
         poses[1, :2] += np.array([-30, -40]) / scale
         assert "overlap" in verdict()
-        assert readout(page) == f"Light on none of 4 walls. The benches, at 30°, {verdict()}"
+        assert readout(page) == f"Walls with light: none of 4. The benches, at 30°, {verdict()}"
         # A metre by the keyboard.
         for _ in range(2):
             page.get_by_role("button", name="The amber bench: drag it").press("Shift+ArrowUp")
@@ -253,7 +253,7 @@ def test_sat_says_how_far_two_benches_are_apart(visit):
         assert "apart" in verdict()
         assert verdict() in readout(page)
         set_slider(page, "walls", 1)
-        assert "Light on none of 1 walls." in readout(page)
+        assert "Walls with light: none of 1." in readout(page)
 
 
 def test_grid_says_how_many_pairs_share_a_cell(visit):

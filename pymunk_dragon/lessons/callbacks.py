@@ -67,7 +67,7 @@ frames[40]
 # which does not pass through the C code that calls back: Python only reports it, and the benches bounce as if nothing
 # had been. So `simulate` keeps such an error and raises it when the step is over.
 #
-# Which are called in every step?
+# Which are called in every step of the contact?
 # - `begin` and `separate`: the names of a beginning and an end, but nothing says what comes between.
 # - **`pre_solve` and `post_solve`**: in steps 40, 41 and 42.
 # - All four: the contact is there in each step, but `begin` and `separate` tell of changes.
@@ -75,7 +75,7 @@ frames[40]
 # Which one knows the impulse of the blow first?
 # - `begin`: the benches touch there, but nothing is computed yet, and it reads 0.
 # - `pre_solve`: it comes in the same step, but before the solver, as its name says.
-# - **`post_solve`**: 3.29 N s in step 40, and the bench that lay still leaves at 0.329 m/s.
+# - **`post_solve`**: in step 40 of the program 3.29 N s, and the bench that lay still leaves at 0.329 m/s.
 # - `separate`: only then the blow is over, but by then its impulse has been overwritten.
 # ## Check
 # The impulse of 3.29 N s is what sets the bench in motion: divide it by 10 kg, and compare the speed.

@@ -65,7 +65,7 @@ run
 # ## Check
 # The slowest speed, 0.194 m/s: see where that joint was 0.1 s before and after, and divide the distance by 0.2 s.
 # ## Try
-# Draw a path on which the arm gets to the end, and one on which it does not. How narrow may a bend be?
+# Let the time run, then draw a path on which the arm gets to the end, and one that it blocks. How narrow may a bend be?
 # ## Change
 # Let `points` end in (0.1, 0.05), (0.2, 0), and the tip slips past. The documentation of scenario files (`make docs`)
 # describes the file that holds a dragon and its curve, for a path of your own.

@@ -58,8 +58,8 @@ stages.sat = (lab) => {
     const lights = walls.flatMap(({ light }) => (light ? [light[1] - light[0]] : []));
     const n = lights.length, all = count.value, distance = benches.gap(0, 1).gap;
     const [size, most] = [Math.abs(distance), Math.max(...lights)].map((each) => each.toFixed(3));
-    const lit = n === 0 ? [`Light on none of ${all} walls.`, `${all} 面墙上都没有光。`]
-      : [`Light on ${n} of ${all} walls, up to ${most} m wide.`, `${all} 面墙中 ${n} 面有光，最宽 ${most} m。`];
+    const lit = n === 0 ? [`Walls with light: none of ${all}.`, `${all} 面墙上都没有光。`]
+      : [`Walls with light: ${n} of ${all}, up to ${most} m wide.`, `${all} 面墙中 ${n} 面有光，最宽 ${most} m。`];
     const turned = Math.round((poses[1][2] - poses[0][2]) / Math.PI * 180 + 720) % 180;
     const verdict = distance > 0 ? [`are ${size} m apart`, `相距 ${size} m`] : [`overlap by ${size} m`, `重叠 ${size} m`];
     return [`${lit[0]} The benches, at ${turned}°, ${verdict[0]}.`, `${lit[1]}两节板凳成 ${turned}°，${verdict[1]}。`];

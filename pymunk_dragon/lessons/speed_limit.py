@@ -43,10 +43,10 @@ plt.savefig("speed-limit.png", bbox_inches="tight")
 
 # %% [markdown]
 # ## Answer
-# Handles 3 to 7 are 1.605 times as fast as the head, so 1.246 m/s is all that it may go: it has just left the narrow
-# arc while handle 1 is still on it, so the path crosses the head bench at 46 degrees in front and at 63 degrees behind.
-# Both handles are equally fast along the rigid bench, so the rear one has to be 1.55 times as fast, and bench 2, which
-# lies across the point where both arcs meet, adds another 3 percent.
+# Handles 3 to 7 get 1.605 times as fast as the head, so 1.246 m/s is all that it may go. Then the head has just left
+# the narrow arc while handle 1 is still on it, so the path crosses the head bench at 46 degrees in front and at 63
+# degrees behind. Both handles are equally fast along the rigid bench, so the rear one has to be 1.55 times as fast, and
+# bench 2, which lies across the point where both arcs meet, adds another 3 percent.
 #
 # Who has to run fastest?
 # - The head: it leads, but those behind it have to make good for the angles of their benches.
