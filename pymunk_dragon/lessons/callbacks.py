@@ -70,7 +70,7 @@ frames[40]
 # Which are called in every step of the contact?
 # - `begin` and `separate`: the names of a beginning and an end, but nothing says what comes between.
 # - **`pre_solve` and `post_solve`**: in steps 40, 41 and 42.
-# - All four: the contact is there in each step, but `begin` and `separate` tell of changes.
+# - All four: the contact is there in each step, but `begin` and `separate` report changes only.
 #
 # Which one knows the impulse of the blow first?
 # - `begin`: the benches touch there, but nothing is computed yet, and it reads 0.

@@ -66,7 +66,7 @@ for name in ("GrooveJoint", "PinJoint"):
 # The push of -0.333 m/s: an impulse $(p, q)$ on a hole 1 m ahead of the centre and 1 m beside it changes the hole's
 # velocity by $(2 p - q, 2 q - p)$. It shall be $(-1, 0)$, to stop the hole; the groove keeps $q$.
 # ## Try
-# In the picture, go along a line, and from line to line. Live: watch "Largest error" for ten seconds with 2 iterations.
+# Recorded: go along a line, and then from line to line. Live: watch "Largest error" for ten seconds with 2 iterations.
 # Start again, and set "Iterations" to 60, another time to 200: what is left? Stay there, set "Time step" to 30, 15 and
 # 7.5 ms, and wait each time until the error is steady.
 # ## Change

@@ -42,8 +42,9 @@ for name, run in (("careful engine", simulate(march, start=398)), ("coarse engin
 # %%
 # For the check: where the head's rear left corner and two handles are at the last near miss.
 state = march.at(miss.time)
-for name, (x, y) in zip("CAB", (march.dragon.outlines(state.poses)[0, 0, 3], *state.positions[0, 11:13]), strict=True):
-    print(f"{name} ({x:.6f}, {y:.6f}) m")
+points = march.dragon.outlines(state.poses)[0, 0, 3], *state.positions[0, 11:13]
+for name, (x, y) in zip(("C, corner of the head", "A, handle 11", "B, handle 12"), points, strict=True):
+    print(f"{name:22}({x:.6f}, {y:.6f}) m")
 
 poses = march.at(times, handles=17).poses
 gaps = separation(march.dragon.outlines(poses)[:, :1], march.dragon.outlines(poses)[:, 2:]).distance.min(axis=1)
