@@ -381,6 +381,8 @@ def test_u_turn_says_how_long_the_arcs_are(visit):
 def test_speed_limit_says_who_is_fastest(visit):
     with visit("speed-limit") as found:
         page = found.page
+        assert readout(page).endswith("In the whole turn: –.")
+        set_slider(page, "way of the head", 24)
         for ratio in (2.0, 1.0):
             set_slider(page, "ratio of the radii", ratio)
             largest = max_speed(limit=2.0, ratio=ratio)

@@ -1,7 +1,7 @@
 """Pictures of pages, in Chromium: `python tests/bench/screenshot.py march.html "#t=409.8" player.png`.
 
 What the address's second half says is shown: a moment of a run, or a lesson with its experiment, in which sliders may
-get values, as `time=412`. Chinese characters have the font of the extra `chinese`.
+get values, as `time_step=-3`. Chinese characters have the font of the extra `chinese`.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ if __name__ == "__main__":
             page = found.page
             page.evaluate("window.dragon")  # of a player: once it has drawn
             page.evaluate("document.querySelector(':target .cover [formnovalidate]')?.click()")
-            for name, value in (each.split("=") for each in sliders):
+            for name, value in (each.replace("_", " ").split("=") for each in sliders):
                 page.get_by_label(name, exact=True).fill(value)
                 page.get_by_label(name, exact=True).blur()
             page.wait_for_timeout(500)
