@@ -63,7 +63,7 @@ frames[40]
 # %% [markdown]
 # ## Answer
 # `begin` and `separate` come once, `pre_solve` and `post_solve` in every step between, and only `post_solve` knows the
-# impulse of its step: before it one reads that of the step before. In the program below `begin` also raises an error,
+# impulse of its step: before it one reads that of the step before. In the program `begin` also raises an error,
 # which does not pass through the C code that calls back: Python only reports it, and the benches bounce as if nothing
 # had been. So `simulate` keeps such an error and raises it when the step is over.
 #

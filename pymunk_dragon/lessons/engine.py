@@ -49,7 +49,7 @@ for name in ("GrooveJoint", "PinJoint"):
 # %% [markdown]
 # ## Answer
 # More iterations help until the joints hold: up to some 60, three or four times as many leave less than a third of the
-# error. But each halving of the steps leaves about a quarter. The program below also tests a joint: a `GrooveJoint`
+# error. But each halving of the steps leaves about a quarter. The program also tests a joint: a `GrooveJoint`
 # pushes a body that slides just as it should, because it works out what would stop the hole and keeps the part across
 # the groove; a `PinJoint` minds that one direction only, so the dancers of this project hold their benches with pins.
 #

@@ -59,7 +59,7 @@ plt.savefig("missed-window.png", bbox_inches="tight")
 # ## Answer
 # The head touches bench 11 at 409.776 s, for 0.109 s and 0.023 mm deep, and at 410 s there is a gap again. No step is
 # short enough, as the next contact may be shorter; but if you know how fast a gap can close, each sample clears a time
-# interval, and you sample again only where a doubt is left, as above, and as `first_contact` does.
+# interval, and you sample again only where a doubt is left, as the program and `first_contact` do.
 #
 # What touched before 412.442 s?
 # - Nothing: what is traced back to its beginning seems to be the first, but only this contact is traced.
@@ -82,6 +82,6 @@ plt.savefig("missed-window.png", bbox_inches="tight")
 # ## Teacher
 # - From grade 11; the lesson near-miss, a bound on a speed. 45 minutes: 10 to guess, 20 on the stage, 15 to compare.
 # - Goal: samples prove nothing about the time between. With a bound on the speed they do: conservative advancement.
-# - Try: 0.2 s, by luck, as 409.8 s lies within the 0.109 s of the contact. With benches of 300.98 mm it lasts 0.052 s,
-#   and samples every 0.1 s miss it.
+# - Try: 0.2 s, by luck, as 409.8 s lies within the 0.109 s of the contact. At 300.98 mm it lasts 0.052 s, and samples
+#   every 0.1 s miss it; at 300.977 mm 0.037 s, and those every 0.05 s do.
 # - Mistakes: a finer step is taken for a proof; the first contact found is taken for the first.

@@ -59,7 +59,7 @@ plt.savefig("near-miss.png", bbox_inches="tight")
 # ## Answer
 # The head passes bench 9 with 3.0 mm and bench 11 with 0.9 mm to spare, hardly more than a bank card is thick, and runs
 # into bench 8 at 412.474 s. Coordinates that are cut to 1 mm let it hit bench 11 at 409.712 s, a collision that never
-# happens. The program below also lets Pymunk march: with care it finds bench 8, but with one iteration in steps of
+# happens. The program also lets Pymunk march: with care it finds bench 8, but with one iteration in steps of
 # 0.1 s its joints come loose, and benches 200 and 203 meet at 401.6 s.
 #
 # Which bench does the head touch first?
