@@ -250,9 +250,10 @@ function nearestOn(curve, [x, y], from, to) {
 }
 
 // A pane of the floor where the head is closest to a bench, and a chart of its gap over time, where time is dragged.
-// `benchesAt(t, handles)` are the benches; `draw` adds to the chart, which shows {across, up, name}.
+// `benchesAt(t, handles)` are the benches; `draw` adds to the chart, as up to `now.seen`, the latest time so far.
 function gapPanes(lab, { time, size, benchesAt, view, draw }) {
-  const now = { update() { Object.assign(now, benchesAt(time.value, 14).nearest(0)); } };
+  const now = { seen: -Infinity };
+  now.update = () => Object.assign(now, benchesAt(time.value, 14).nearest(0), { seen: Math.max(now.seen, time.value) });
   lab.pane(0.5, () => ({ x: now.ends[0][0], y: now.ends[0][1], size: size() }), (pane) => {
     const hit = now.gap <= 0 ? now.bench : 0;
     pane.benches(benchesAt(time.value, 61), (i) => (i === 0 ? "head" : i === hit ? "contact" : "body"));
