@@ -1,7 +1,6 @@
 """Figures: what they draw is true, can be read, and comes out the same again."""
 
 import re
-import subprocess
 import sys
 from functools import cache
 from itertools import combinations
@@ -232,17 +231,6 @@ def test_texts_of_other_figures_do_not_overlap(tmp_path):
         for name in ("grid", "trajectories", "velocities", "gap", "speeds"):
             told = " ".join(check_texts(figure(name, source), border=5))
             assert not any(word in told for word in ("spiral", "coil", "inward"))
-
-
-def test_matplotlib_and_pymunk_are_imported_when_they_are_needed_and_pyplot_never():
-    program = """
-import sys
-from pymunk_dragon.drawing.figures import figure
-assert "matplotlib" not in sys.modules and "pymunk" not in sys.modules
-figure("speeds")
-assert "matplotlib" in sys.modules and "matplotlib.pyplot" not in sys.modules
-"""
-    subprocess.run([sys.executable, "-c", program], check=True)
 
 
 def test_figures_that_cannot_be_drawn_are_refused(tmp_path):

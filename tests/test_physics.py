@@ -52,13 +52,11 @@ def reported():
     return simulate(SIXTEEN, start=411.5, until=415.2, contacts="report")
 
 
-def test_march_ends_with_benches_0_and_8_at_the_true_time(any_march, seed_march):
+def test_march_ends_with_benches_0_and_8_at_the_true_time(any_march):
     assert any_march.outcome == "contact"
     assert any_march.first_contact.benches == (0, 8)
     assert any_march.first_contact.time == pytest.approx(TRUE_TIME, abs=0.5e-3)
     # Nothing touches on the way, although the head passes two benches closely.
-    assert 0 < shapely_gap(seed_march, 409.82, (0, 11)) < 0.9e-3
-    assert 0 < shapely_gap(seed_march, 406.81, (0, 9)) < 3.1e-3
     assert {event.benches for event in any_march.events} == {(0, 8)}
     assert min(event.time for event in any_march.events) == any_march.first_contact.raw_time
 
