@@ -241,8 +241,6 @@ def test_film_of_a_march_ends_with_its_first_contact(answer, tmp_path, monkeypat
 
 def test_figure_has_a_name_and_the_language_of_a_flag_or_the_environment(answer, here, monkeypatch):
     assert [*answer("figure", "--json")["figures"]] == [*FIGURES]
-    answer("figure", "grid")
-    assert Path("grid.png").stat().st_size
     answer("figure", "inward")
     answer("figure", "inward", "--lang", "zh", "-o", "flag.png")
     monkeypatch.setenv("PYMUNK_DRAGON_LANG", "zh")

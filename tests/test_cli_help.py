@@ -87,9 +87,7 @@ def test_terminal_says_which_file_was_written(terminal, here):
         said = terminal(*arguments.split())
         assert re.search(rf"^wrote {re.escape(name)}$", said, re.MULTILINE), said
         assert Path(name).stat().st_size
-
-
-def test_terminal_says_nothing_of_a_device(terminal):
+    # Of a device it says nothing.
     assert "wrote" not in terminal("simulate", "--until", "0.1", "--benches", "9", "-o", "/dev/null")
 
 
