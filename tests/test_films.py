@@ -361,7 +361,8 @@ def test_pictures_look_as_they_did(seed, golden):
 def test_contacts_are_shown_while_benches_touch(seed, small_run):
     [window] = [window for window in small_run.events.windows() if window.end is not None]
     film = Film(size=200, camera=HEAD, show=("contacts",))
-    for time, touching in ((window.begin - 0.05, False), ((window.begin + window.end) / 2, True)):
+    middle = (window.begin + window.end) / 2
+    for time, touching in ((window.begin - 0.05, False), (middle, True), (window.end + 0.05, False)):
         assert (count(still(small_run, time, film), "force") > 0) is touching
     # Where nothing is logged, the refined first contact is shown.
     picture, place = shown(seed, CONTACT, film)

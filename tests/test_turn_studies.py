@@ -207,7 +207,6 @@ def test_impossible_limits_turns_and_dragons_are_refused_by_name():
 def test_program_tells_the_limit(call, limit):
     told = json.loads(call("study", "max-speed", "--json")[1])
     assert (told["speed"], told["handle"], told["time"]) == (limit.speed, limit.handle, limit.time)
-    assert "3 m/s" in call("study", "max-speed", "--limit", "3")[1]
 
 
 def test_contests_turn_is_the_best_where_the_search_finds_no_shorter_one(monkeypatch):
