@@ -146,7 +146,7 @@ CURVES = {
 STEP = 2e-5
 
 
-FOUR = Dragon(body_spacing=[1.65, 1.65, 1.2])
+FOUR = Dragon(body_spacing=SPACINGS[1:])
 MARCHES = {name: (March(FOUR, curve, start_s=head), [0.0]) for name, (curve, head) in CURVES.items()}
 MARCHES["the paper's"] = March(), [0, 100, 300, 412]
 # Handles go back.

@@ -89,9 +89,7 @@ def test_scenario_comes_from_files_and_flags_win(answer, tmp_path):
     files = ["--curve", path, "--speed", speed, "--benches", "4"]
     found = answer("positions", *files, "--times", "0,10", "--handles", "0,4", "--json")
     assert [speeds[0] for speeds in found["speeds"]] == pytest.approx([1, 3])
-    # 20 m along the path are a little less than that between their ends.
-    (begin, _), (end, _) = found["positions"]
-    assert 19 < math.dist(begin, end) < 20
+    assert 19 < math.dist(found["positions"][0][0], found["positions"][1][0]) < 20
 
 
 def test_u_turn_has_the_contests_positions(answer):

@@ -16,7 +16,6 @@ from pymunk_dragon import PillowDrawOptions
 from pymunk_dragon.drawing.debug_draw import DrawRecorder
 
 BLACK, RED = SpaceDebugColor(0, 0, 0, 255), SpaceDebugColor(255, 0, 0, 255)
-OUTLINE = (44, 62, 80)
 
 
 def white(width=64, height=64):
@@ -190,7 +189,7 @@ def test_recorder_has_every_call_in_the_coordinates_of_the_space():
     assert {call.name for call in recorder.calls} == {"circle", "segment", "polygon"}
     disc = next(call for call in recorder.calls if call.name == "circle")
     assert (*disc.points[0], disc.radius, disc.angle) == pytest.approx((60, 40, 20, 0.4))
-    assert (disc.fill, disc.outline and disc.outline[:3]) == ((*RED[:3], 100), OUTLINE)
+    assert (disc.fill, disc.outline and disc.outline[:3]) == ((*RED[:3], 100), (44, 62, 80))
     cradle().debug_draw(recorder)
     marks = Counter(call.name for call in recorder.calls if call.outline is None)
     assert marks == {"line": 5, "dot": 10, "contact": 3}

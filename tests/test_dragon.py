@@ -23,7 +23,6 @@ TRACTOR = {
     "width": [2, 1.5, 2.2, 1.8],
 }
 coordinates = st.floats(-100, 100)
-points = st.tuples(coordinates, coordinates)
 
 
 def test_default_dragon_is_the_contests_and_cannot_be_changed():

@@ -16,12 +16,11 @@ from marches import bent
 
 from pymunk_dragon import Contact, Dragon, March, first_contact, max_speed, outlines, scan, simulate
 from pymunk_dragon.collision.bounds import UNPROVEN_ROUNDING, Intervals, MotionBounds
+from pymunk_dragon.collision.first_contact import _near_misses
 from pymunk_dragon.errors import DragonError, ParameterError, UnreachableError
 from pymunk_dragon.model.curves import Arc, Composite, Line, Sampled, Spiral, sampled
 from pymunk_dragon.physics.callbacks import Motion
 
-# A bench that is 1 mm wider touches bench 11 where the seed's passes it; this one for 4 ms.
-TOUCHING_WIDTH = 0.3009741
 SIZES = ("head_spacing", "body_spacing", "overhang", "width")
 TIGHT = March(Dragon(benches=30), Spiral(pitch=0.31), turns=8)
 
@@ -119,7 +118,8 @@ def test_answer_is_a_value_from_which_a_run_gets_its_contact(seed_march, seed_im
 
 
 def test_contact_of_four_milliseconds_is_found_though_a_scan_misses_it():
-    march = March(Dragon(width=TOUCHING_WIDTH))
+    # A bench that is 1 mm wider touches bench 11 where the seed's passes it.
+    march = March(Dragon(width=0.3009741))
     found = first_contact(march)
     assert found.benches == (0, 11)
     assert 409.8 < found.time < 409.9
@@ -190,7 +190,10 @@ def test_march_past_the_last_place_is_unreachable_there(seed_impact):
             march.at(np.full(count, found.time + 5e-13 / march.speed))
         with pytest.raises(UnreachableError):
             march.at(found.time + 1e-11 / march.speed)
-    assert first_contact(STUCK[0], until=1e6).time == first_contact(STUCK[0]).time
+    last = first_contact(STUCK[0], until=1e6).time
+    assert last == first_contact(STUCK[0]).time
+    # No near miss is searched where the chain has no state.
+    assert _near_misses(STUCK[0], np.array([[0, 2, last - 1e-10, 2e-10, 0.001, 0]]), 0, last, 0.01) == ()
     assert first_contact(March(Dragon(benches=2), turns=4)).status == "unreachable"
 
 

@@ -379,13 +379,10 @@ def test_unusable_settings_are_refused_by_name(seed_march):
         # None asks for the default, and a run may start at 0 s or before.
         if value is not None and not (name == "start" and isinstance(value, int) and value in (0, -1))
     ]
-    mine = [
-        type("Mine", (PathGuide,), members)()
-        for members in ({"joints": lambda self, bench, body: None}, {"anchors": 3}, {"anchors": [3]})
-    ]
+    wrong = (("joints", lambda self, bench, body: None), ("anchors", 3), ("anchors", [3]))
     cases += [
         *(("guide", {"guide": guide}) for guide in ("ropes", Rails, object(), 3)),
-        *zip(("Mine.joints", "Mine.anchors", "Mine.anchors"), ({"guide": guide} for guide in mine), strict=True),
+        *((f"Mine.{name}", {"guide": type("Mine", (PathGuide,), {name: value})()}) for name, value in wrong),
         ("contacts", {"contacts": "ignore"}),
         *(("until", {"start": 5.0, "until": until}) for until in (5.0, 1e300)),
         *(("substep", {"substep": substep}) for substep in (1.0, 1e-9)),

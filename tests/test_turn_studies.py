@@ -148,25 +148,22 @@ def test_nobody_is_faster_however_long_one_looks(limit):
     assert later < limit.ratio - 0.4
 
 
-# Where the head bench is no longer than the others, those on the way out add to the speed behind them.
-LAST_IS_FASTEST = Dragon(benches=25, head_spacing=1.65)
-OTHERS = [
-    (LAST_IS_FASTEST, {}),
-    (Dragon(benches=8, head_spacing=1.0, body_spacing=2.0), {}),
-    (Dragon(benches=2), {}),
-    (Dragon(), {"pitch": 1.2, "radius": 5.0, "ratio": 1.5}),
-]
-
-
 def test_other_dragons_and_turns_are_as_fast_as_a_scan_sees():
-    for dragon, sizes in OTHERS:
+    # Where the head bench is no longer than the others, those on the way out add to the speed behind them.
+    last_is_fastest = Dragon(benches=25, head_spacing=1.65)
+    for dragon, sizes in (
+        (last_is_fastest, {}),
+        (Dragon(benches=8, head_spacing=1.0, body_spacing=2.0), {}),
+        (Dragon(benches=2), {}),
+        (Dragon(), {"pitch": 1.2, "radius": 5.0, "ratio": 1.5}),
+    ):
         found = max_speed(dragon, **sizes)
         end = found.curve.joints[-1] + min(float(dragon.spacings.sum()), 60.0)
         coarse, way = scanned(dragon, found.curve, -3.0, end, 0.05)
         near, _ = scanned(dragon, found.curve, way - 0.06, way + 0.06, 1e-4)
         assert found.excess <= 1e-11, found
         assert found.ratio * (1 - 1e-6) < max(coarse, near, 1.0) <= found.ratio * (1 + 1e-11), found
-        assert dragon is not LAST_IS_FASTEST or found.handle == 25
+        assert dragon is not last_is_fastest or found.handle == 25
 
 
 def test_long_dragons_and_wide_turns_are_bounded_with_little_work(monkeypatch):
