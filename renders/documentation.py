@@ -32,13 +32,7 @@ from pymunk_dragon.lessons._framework.lesson import blocks
 
 ROOT = Path(__file__).parent.parent
 RENDERS = ROOT / "renders"
-GUIDES = {
-    "chains": "Long chains",
-    "contacts": "Contacts",
-    "pictures": "Pictures",
-    "live": "Live",
-    "teachers": "Teachers",
-}
+GUIDES = {"chains": "Chains", "contacts": "Callbacks", "pictures": "Pictures", "live": "Live", "teachers": "Teachers"}
 # Texts: the file, its page and the title of the page, in the order of the sidebar; the last two stand at its end.
 TEXTS = {
     "README.md": ("index.html", "Start"),

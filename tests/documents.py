@@ -1,4 +1,4 @@
-"""The texts for users, README and the long docstrings of modules, and the code that they show."""
+"""The texts for users, README, guides and the long docstrings of modules, and the code that they show."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 
+from documentation import GUIDES as NAMES
 from documentation import MODULES
 
 ROOT = Path(__file__).parent.parent
@@ -23,6 +24,11 @@ class Document:
     def blocks(self, language: str) -> list[str]:
         """The blocks of code of a language."""
         return [text for found, text in re.findall(r"```(\w+)\n(.*?)```", self.text, re.DOTALL) if found == language]
+
+    @property
+    def snippets(self) -> list[tuple[str, str]]:
+        """Each block of Python, and the output that stands below it."""
+        return re.findall(r"```python\n(.*?)```(?:\n\n```text\n(.*?)```)?", self.text, re.DOTALL)
 
     @property
     def shown(self) -> list[tuple[str, str]]:
@@ -52,4 +58,10 @@ def module_documents() -> list[Document]:
 
 
 README, CHINESE = (Document(name, (ROOT / name).read_text(encoding="utf-8")) for name in ("README.md", "README.zh.md"))
-DOCUMENTS = [README, CHINESE, *module_documents()]
+GUIDES = {
+    name: Document(
+        name, (ROOT / f"renders/guides/{name}.md").read_text(encoding="utf-8").replace("](../", "](renders/")
+    )
+    for name in NAMES
+}
+DOCUMENTS = [README, CHINESE, *GUIDES.values(), *module_documents()]

@@ -15,8 +15,8 @@ time of a step as charts.
 ![A pointer pulls a bench aside, the dancers carry it back, and a slider makes the head faster](renders/live.gif)
 
 In Python and notebooks, any space plays in the same page: `live(build)` for a function that builds the space.
-[A guide](renders/guides/live.md) has a whole program with sliders, buttons, keys and charts, pygame programs that play on
-the page, 21 of Pymunk's own examples among them, recordings, sessions for a class, and how fast all this is.
+[A guide](renders/guides/live.md) has a whole program with sliders, buttons, keys and charts, pygame programs that
+play on the page, 21 of Pymunk's own examples among them, recordings, sessions for a class, and how fast all this is.
 """
 
 from __future__ import annotations

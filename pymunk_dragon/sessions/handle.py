@@ -169,7 +169,7 @@ def live(
     ...         space.add(body, pymunk.Circle(body, 10))
     ...     return space
     >>> def kick(space):
-    ...     space.bodies[0].apply_impulse_at_local_point((0, -500))
+    ...     next(iter(space.bodies)).apply_impulse_at_local_point((0, -500))
     >>> controls = [Slider("gravity", 0, 2000), Slider("balls", 1, 9, rebuilds=True), Button("Kick", kick)]
     >>> with live(build, controls=controls, y_down=True, units="px", browser=False) as session:
     ...     print(session.address.partition(":")[0])
