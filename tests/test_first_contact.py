@@ -19,12 +19,22 @@ from pymunk_dragon.collision.bounds import UNPROVEN_ROUNDING, Intervals, MotionB
 from pymunk_dragon.collision.first_contact import _near_misses
 from pymunk_dragon.errors import DragonError, ParameterError, UnreachableError
 from pymunk_dragon.model.curves import Arc, Composite, Line, Sampled, Spiral, sampled
-from pymunk_dragon.physics.callbacks import Motion, refined_contact
+from pymunk_dragon.physics.callbacks import Motion
 
 # A bench that is 1 mm wider touches bench 11 where the seed's passes it; this one for 4 ms.
 TOUCHING_WIDTH = 0.3009741
 SIZES = ("head_spacing", "body_spacing", "overhang", "width")
 TIGHT = March(Dragon(benches=30), Spiral(pitch=0.31), turns=8)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(("width", "benches"), [(0.3, (0, 8)), (0.301, (0, 11))])
+def test_ipc_toolkit_finds_the_same_first_contact(width, benches):
+    judge, march = pytest.importorskip("outside_judge", reason="needs ipctk"), March(Dragon(width=width))
+    (cleared, closest), found = judge.cleared_by_ipc_toolkit(march, 400.0, 413.0), first_contact(march)
+    assert found.benches == closest == benches
+    # It clears all but its last steps; the certified time itself is accurate to 1e-11 s.
+    assert -1e-11 < found.time - cleared < 1e-9
 
 
 @pytest.fixture(scope="module")
@@ -350,7 +360,7 @@ def test_contact_by_rounding_only_is_at_the_end_of_the_substep():
     dragon = equal(3, 1.5, 0.5, 1.0)
     poses = np.array([[0.0, 0.0, 0.0], [9.0, 9.0, 0.0], [2.5 + 1e-15, 0.0, 0.0]])
     contact = Contact(time=1.1, raw_time=1.1, benches=(0, 2), point=(1.25, 0.0), normal=(1.0, 0.0), depth=0.0)
-    assert refined_contact(dragon, contact, Motion(poses, 0 * poses, 0 * poses), 1.0) == contact
+    assert Motion(poses, 0 * poses, 0 * poses).refined(dragon, contact, 1.0) == contact
 
 
 def test_constant_gap_is_no_near_miss():

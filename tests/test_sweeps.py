@@ -248,7 +248,8 @@ def test_map_has_a_cell_for_each_point_and_lines_where_other_benches_touch():
     steps = [(0.15, 2.5, 0.15, 3.5), (0.15, 2.5, 0.25, 2.5), (0.25, 1.5, 0.25, 2.5), (0.25, 1.5, 0.45, 1.5)]
     assert found == [*steps, *((0.45, y, 0.45, y + 1) for y in (0.5, 1.5, 2.5))]
     texts = {text.get_text() for text in drawing.findobj(matplotlib.text.Text)}
-    assert {"0 and 8", "0 and 9", "clear", "Two sides over x and y", "gap, m", "no value", "reference: x 0.25"} <= texts
+    labels = {"0 and 8", "0 and 9", "clear", "gap, m", "no value", "reference: x 0.25"}
+    assert labels | {"Two sides over x and y: 0.1 to 0.9 m"} <= texts
     assert reference.get_xdata() == [0.25, 0.25]
 
 

@@ -22,10 +22,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 # Colours of small to large values: ink is readable on all of them but the last.
-VALUES = ("#fde18b", "#aacd90", "#63ad99", "#2a879d", "#355b92")
+_VALUES = ("#fde18b", "#aacd90", "#63ad99", "#2a879d", "#355b92")
 # Units by the last words of names.
-UNITS = dict.fromkeys(("pitch", "width", "overhang", "spacing", "radius", "gap", "drift"), "m")
-UNITS |= {"speed": "m/s", "time": "s", "error": "s", "start": "s", "until": "s", "substep": "s"}
+_UNITS = dict.fromkeys(("pitch", "width", "overhang", "spacing", "radius", "gap", "drift"), "m")
+_UNITS |= {"speed": "m/s", "time": "s", "error": "s", "start": "s", "until": "s", "substep": "s"}
 # Share of the points above which the benches that touch there are named.
 _NAMED = 0.03
 
@@ -52,7 +52,7 @@ def draw(found: Sweep) -> Figure:
         if min(x) <= own <= max(x):
             label = text("reference: {0}").format(f"{_words(name)} {own:g}")
             line(own, ls="--", lw=1, color=COLOURS.contact, label=label, gid="reference")
-    _write_titles(figure, axes, found, names)
+    _write_titles(figure, axes, found, names, values[np.isfinite(values)])
     return figure
 
 
@@ -63,15 +63,20 @@ def _draw_missing(axes: Axes, at: Sequence[Array], missing: Flags) -> None:
         axes.plot(at[0][missing], heights[missing], "x", color=QUIET, ms=4, label=text("no value"), gid="missing")
 
 
-def _write_titles(figure: Figure, axes: Axes, found: Sweep, names: Sequence[str]) -> None:
-    """Write titles and a legend."""
+def _write_titles(figure: Figure, axes: Axes, found: Sweep, names: Sequence[str], values: Array) -> None:
+    """Write titles, with the range of the `values` (P,) that are finite, and a legend."""
     note = text("{0} points")
     if "bench_a" in found.columns:
         along = text("{0} points; along each line the same benches touch")
-        note = along if len(names) == 1 else text("{0} points; across each line other benches touch")
+        note = (
+            along if len(names) == 1 else text("{0} points; labels: benches that touch first; others across each line")
+        )
     axes.set_title(note.format(found.points), color=QUIET)
-    over = text(" and ").join(map(_words, names))
-    figure.suptitle(text("{0} over {1}").format(text(found.summary), over), size=16)
+    title = text("{0} over {1}").format(text(found.summary), text(" and ").join(map(_words, names)))
+    if values.size:
+        unit = _UNITS.get(found.columns[len(found.names)].rpartition("_")[2], "")
+        title += text(": {0:.4g} to {1:.4g} {2}").format(values.min(), values.max(), unit).rstrip()
+    figure.suptitle(title, size=16)
     if axes.get_legend_handles_labels()[0]:
         figure.legend(loc="outside lower center", ncols=4, frameon=False)
 
@@ -93,7 +98,7 @@ def _draw_map(axes: Axes, x: Array, y: Array, values: Array, labels: Sequence[st
     cells, names = np.full((len(up), len(across)), np.nan), np.full((len(up), len(across)), "", dtype=object)
     cells[row, column], names[row, column] = values, labels
     sides, heights = _edges(across), _edges(up)
-    colours = LinearSegmentedColormap.from_list("sweep", list(VALUES))
+    colours = LinearSegmentedColormap.from_list("sweep", list(_VALUES))
     mesh = axes.pcolormesh(sides, heights, cells, cmap=colours, rasterized=True, gid="values")
     i, j = np.nonzero(names[:, 1:] != names[:, :-1])
     axes.vlines(sides[j + 1], heights[i], heights[i + 1], color=COLOURS.ink, lw=0.9, gid="jumps")
@@ -123,6 +128,6 @@ def _label(cells: Sequence[Any]) -> str:
 
 def _words(name: str, *, unit: bool = False) -> str:
     """The name of an axis or a column in words, with its unit if it has one."""
-    known = "m" if name == "start_s" else UNITS.get(name.rpartition("_")[2])
+    known = "m" if name == "start_s" else _UNITS.get(name.rpartition("_")[2])
     words = name.removesuffix("_s").replace("_", " ")
     return text("{}, {}").format(text(words), known) if unit and known else text(words)
