@@ -32,17 +32,17 @@ from pymunk_dragon.lessons._framework.lesson import blocks
 
 ROOT = Path(__file__).parent.parent
 RENDERS = ROOT / "renders"
-GUIDES = {"chains": "Chains", "contacts": "Callbacks", "pictures": "Pictures", "live": "Live", "teachers": "Teachers"}
+GUIDES = sorted(path.stem for path in RENDERS.glob("guides/*.md"))
 # Texts: the file, its page and the title of the page, in the order of the sidebar; the last two stand at its end.
 TEXTS = {
     "README.md": ("index.html", "Start"),
     "README.zh.md": ("index.zh.html", "中文"),
-    **{f"renders/guides/{name}.md": (f"{name}.html", title) for name, title in GUIDES.items()},
+    **{f"renders/guides/{name}.md": (f"{name}.html", name.capitalize()) for name in GUIDES},
     "CONTRIBUTING.md": ("contributing.html", "Contributing"),
     "CHANGELOG.md": ("changelog.html", "Changes"),
 }
 # Headings in the sidebar, by the first page below each.
-HEADINGS = {"chains.html": "Guides", "pymunk_dragon/studies.html": "Modules", "names.html": "More"}
+HEADINGS = {f"{GUIDES[0]}.html": "Guides", "pymunk_dragon/studies.html": "Modules", "names.html": "More"}
 # Pages by the addresses that texts have for the files: a guide names others without the folder.
 PAGES = {name: page for file, (page, _) in TEXTS.items() for name in (file, Path(file).name)}
 CITATION = "CITATION.cff"
@@ -56,7 +56,7 @@ MODULES = {
     "model.march": "March",
     "model.scenario": "Scenario files",
     "model.run": "Runs",
-    "model.contact": "Contacts",
+    "model.contact": "Contact records",
     "collision": "First contact",
     "physics": "Engine",
     "drawing": "Films",
@@ -131,7 +131,12 @@ def gallery_text(texts: Mapping[str, str], commands: Mapping[str, str]) -> str:
     captions: dict[str, tuple[str, str]] = {}
     for picture, caption, page in shown_pictures(texts):
         captions.setdefault(picture, (caption, page))
-    lines = ["# Gallery", "", "Each picture leads to the text about it, and has the commands that make it.", ""]
+    lines = [
+        "# Gallery",
+        "",
+        "Each picture leads to the text about it, and has its commands; where it has none, the text has its program.",
+        "",
+    ]
     lines += ['<div class="gallery">']
     made = [name for name in commands if name.endswith(PICTURES)]
     for picture in (*made, *(name for name in captions if name not in made)):
