@@ -293,7 +293,7 @@ def build(directory: Path, commands: Mapping[str, str], copies: Path = RENDERS) 
             # Results of a search are shown on pages in other folders, where relative addresses lead nowhere.
             vars(module)["docstring"] = RELATIVE.sub(lambda found: found[2] or "", module.docstring)
         order = (RENDERS / "templates" / "search_order.js").read_text(encoding="utf-8")
-        write(directory / "search.js", render.search_index(everything) + order)
+        write(directory / "search.js", f"{render.search_index(everything)}\n{order}")
     (directory / "figures").mkdir()
     pictures = [path for path in (*RENDERS.glob("*.*"), *RENDERS.glob("figures/*.*")) if path.suffix in PICTURES]
     for source in (*pictures, *(copies / name for name in copied), ROOT / CITATION):

@@ -52,11 +52,6 @@ class Document:
         return {text.splitlines()[0].removeprefix("# "): text for text in self.blocks("toml")}
 
 
-def module_documents() -> list[Document]:
-    """The docstrings of the modules that have a page in the documentation."""
-    return [Document(f"pymunk_dragon.{name}", import_module(f"pymunk_dragon.{name}").__doc__ or "") for name in MODULES]
-
-
 README, CHINESE = (Document(name, (ROOT / name).read_text(encoding="utf-8")) for name in ("README.md", "README.zh.md"))
 GUIDES = {
     name: Document(
@@ -64,4 +59,5 @@ GUIDES = {
     )
     for name in NAMES
 }
-DOCUMENTS = [README, CHINESE, *GUIDES.values(), *module_documents()]
+MODULE_TEXTS = [Document(name, import_module(name).__doc__ or "") for name in map("pymunk_dragon.{}".format, MODULES)]
+DOCUMENTS = [README, CHINESE, *GUIDES.values(), *MODULE_TEXTS]

@@ -1,4 +1,3 @@
-
 // The name itself first, then guides, then modules, classes and functions, and attributes last.
 {
     const found = window.pdocSearch;
