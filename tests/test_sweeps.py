@@ -174,7 +174,7 @@ class Case:
 @pytest.fixture
 def case(tmp_path, monkeypatch):
     # One point at a time, so that a row is written before the next point begins.
-    monkeypatch.setattr("pymunk_dragon.sweeps.computation._UNDER_WAY", 1)
+    monkeypatch.setattr(sys.modules["pymunk_dragon.sweeps.sweep"], "_UNDER_WAY", 1)
     return Case(tmp_path)
 
 
@@ -225,7 +225,7 @@ def test_other_sweep_is_not_resumed(case, monkeypatch):
         # Another version, and another file that defines the quantity.
         for name in ("version", "crc32"):
             with monkeypatch.context() as other:
-                other.setattr(f"pymunk_dragon.sweeps.computation.{name}", lambda of: "9.9")
+                other.setattr(sys.modules["pymunk_dragon.sweeps.sweep"], name, lambda of: "9.9")
                 case.assert_refused("of another sweep", resume=True, **given)
         case.partial.unlink()
 

@@ -12,9 +12,9 @@ from pymunk_dragon._arguments import Array
 from pymunk_dragon._language import text
 from pymunk_dragon.collision import separation
 from pymunk_dragon.drawing import lettering
-from pymunk_dragon.drawing.overlay import Layer, draw_overlays
+from pymunk_dragon.drawing.marks import Layer, draw_overlays
 from pymunk_dragon.drawing.palette import BLOCK, COLOURS
-from pymunk_dragon.drawing.sources import SAMPLES, Source, march_of, states
+from pymunk_dragon.drawing.snapshots import SAMPLES, Source, march_of, states
 from pymunk_dragon.model.contact import Contact
 from pymunk_dragon.model.dragon import Dragon, outlines
 from pymunk_dragon.model.run import Run

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from itertools import accumulate
 
 import numpy as np
@@ -13,10 +13,10 @@ from pymunk_dragon._arguments import Array
 from pymunk_dragon._language import text
 from pymunk_dragon.drawing import lettering
 from pymunk_dragon.drawing.film.settings import Film
-from pymunk_dragon.drawing.overlay import check_overlays
-from pymunk_dragon.drawing.palette import COLOURS
+from pymunk_dragon.drawing.marks import check_overlays
+from pymunk_dragon.drawing.palette import COLOURS, colour_table
 from pymunk_dragon.drawing.scene import Scene, text_height
-from pymunk_dragon.drawing.sources import Source, extent, first_contact_until, march_of, states
+from pymunk_dragon.drawing.snapshots import SAMPLES, Source, first_contact_until, march_of, states
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
@@ -72,6 +72,15 @@ class Canvas:
                 frame.paste(scene.draw(time, poses), (left, self._top))
             yield frame
 
+    def pictures(self, progress: Callable[[int, int], None] | None) -> Iterator[Image.Image]:
+        """Draw the frames with the table of colours (mode P); `progress` is called after each."""
+        colours = Image.new("P", (1, 1))
+        colours.putpalette(colour_table().tobytes())
+        for done, frame in enumerate(self.frames(), start=1):
+            yield frame.quantize(palette=colours, dither=Image.Dither.NONE)
+            if progress is not None:
+                progress(done, len(self._times))
+
 
 def _scenes(sources: Sequence[Source], times: Array, film: Film) -> list[Scene]:
     """Return the scene of each source. A march beside its run shows the position errors of the run."""
@@ -117,12 +126,19 @@ def _field(sources: Sequence[Source], times: Array, film: Film) -> tuple[tuple[f
     if film.camera.follow == "head":
         widest = max(float(march_of(source).dragon.widths[0]) for source in sources)
         return (0.0, 0.0), film.camera.span or _HEAD_SPAN * widest
-    lows, highs = zip(*(extent(source, times) for source in sources), strict=True)
+    lows, highs = zip(*(_extent(source, times) for source in sources), strict=True)
     (left, bottom), (right, top) = np.min(lows, axis=0).tolist(), np.max(highs, axis=0).tolist()
     width, height = film.shape
     free = max(height - 2 * lettering.line("", text_height(film.shape)).height, height / 2)
     span = (1 + 2 * _FIELD_BORDER) * max(right - left, (top - bottom) * width / free)
     return ((left + right) / 2, (bottom + top) / 2), film.camera.span or span
+
+
+def _extent(source: Source, times: Array) -> tuple[Array, Array]:
+    """Return the lower left and upper right corner (2,), m, of the dragon's bounding box over `times` (F,)."""
+    samples = states(source, np.linspace(times[0], times[-1], min(SAMPLES, len(times))))
+    corners = np.concatenate([march_of(source).dragon.outlines(poses).reshape(-1, 2) for _, poses in samples])
+    return corners.min(axis=0), corners.max(axis=0)
 
 
 def _headings(sources: Sequence[Source], film: Film) -> Sequence[str]:

@@ -16,7 +16,7 @@ from PIL import Image, ImageDraw
 from pymunk_dragon._arguments import Array
 from pymunk_dragon.collision import Grid
 from pymunk_dragon.drawing.palette import BLOCK, COLOURS
-from pymunk_dragon.drawing.sources import Source, march_of
+from pymunk_dragon.drawing.snapshots import Source, march_of
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.run import Run

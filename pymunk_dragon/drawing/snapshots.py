@@ -40,10 +40,3 @@ def states(source: Source, times: Array) -> Iterator[tuple[float, Array]]:
             chunk = np.clip(chunk, source.times[0], source.times[-1])
         poses = source.poses_at(chunk) if isinstance(source, Run) else source.at(chunk).poses
         yield from zip(chunk.tolist(), poses, strict=True)
-
-
-def extent(source: Source, times: Array) -> tuple[Array, Array]:
-    """Return the lower left and upper right corner (2,), m, of the dragon's bounding box over `times` (F,)."""
-    samples = states(source, np.linspace(times[0], times[-1], min(SAMPLES, len(times))))
-    corners = np.concatenate([march_of(source).dragon.outlines(poses).reshape(-1, 2) for _, poses in samples])
-    return corners.min(axis=0), corners.max(axis=0)
