@@ -152,14 +152,14 @@ def gallery_text(texts: Mapping[str, str], commands: Mapping[str, str]) -> str:
 
 
 def lessons_text() -> str:
-    """What each lesson needs, takes and teaches, as its file says to teachers, as a Markdown table."""
+    """What each lesson needs, takes and teaches, as its file says to teachers: a Markdown table, without marks of LaTeX."""
     lines = ["| lesson | for whom, and what they know | minutes | goal |", "| --- | --- | --- | --- |"]
     for name, lesson in LESSONS.items():
         [block] = blocks(lesson.sections()["Teacher"])
         needs, minutes, _ = re.split(r"\. (\d+) minutes: ", block.items[0])
-        goal = block.items[1].removeprefix("Goal: ").capitalize()
-        lines.append(f"| [{name}](renders/lessons.html#{name}) | {needs} | {minutes} | {goal} |")
-    return "\n".join(lines)
+        goal = block.items[1].removeprefix("Goal: ")
+        lines.append(f"| [{name}](renders/lessons.html#{name}) | {needs} | {minutes} | {goal[0].upper()}{goal[1:]} |")
+    return re.sub(r"[$\\]", "", "\n".join(lines))
 
 
 def commands_text() -> str:
@@ -269,7 +269,7 @@ def build(directory: Path, commands: Mapping[str, str], copies: Path = RENDERS) 
     modules = documented_modules()
     members = {name: anchors(module) for name, module in modules.items()}
     texts = {page: (ROOT / file).read_text("utf-8").replace("](../", "](renders/") for file, (page, _) in TEXTS.items()}
-    texts["teachers.html"] = texts["teachers.html"].replace("LESSONS", lessons_text(), 1)
+    texts["teachers.html"] = texts["teachers.html"].replace("`make docs` writes the table here.", lessons_text())
     docstrings = {module_page(name): module.docstring for name, module in modules.items()}
     lists = {"names.html": names_text(), "gallery.html": gallery_text(docstrings | texts, commands)}
 
