@@ -152,7 +152,7 @@ def gallery_text(texts: Mapping[str, str], commands: Mapping[str, str]) -> str:
 
 
 def lessons_text() -> str:
-    """What each lesson needs, takes and teaches, as its file says to teachers: a Markdown table, without marks of LaTeX."""
+    """What each lesson needs, takes and teaches, as its file says to teachers: a Markdown table without LaTeX."""
     lines = ["| lesson | for whom, and what they know | minutes | goal |", "| --- | --- | --- | --- |"]
     for name, lesson in LESSONS.items():
         [block] = blocks(lesson.sections()["Teacher"])
