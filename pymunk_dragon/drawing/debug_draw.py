@@ -49,15 +49,17 @@ A picture of 223 benches and their pivots, 640 x 640 pixels, takes 38 ms, and 36
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import reduce
+from typing import Any
 
+import numpy as np
 import pymunk
 from PIL import Image, ImageDraw
 from pymunk.space_debug_draw_options import SpaceDebugColor as Colour
 
-from pymunk_dragon._arguments import finite
+from pymunk_dragon._arguments import Array, finite
 from pymunk_dragon.errors import ParameterError
 
 __all__ = ["PillowDrawOptions"]
@@ -72,6 +74,10 @@ SAMPLES = 2
 _EDGE_INSET = 0.4
 # Drawn pixels: what reaches farther is not drawn, because ImageDraw has integers of 32 bits.
 _MAX_REACH = 1e9
+# Pixels.
+_STILL_SIZE = 640, 480
+# Numbers of the kinds of calls but contacts in an array.
+_KINDS = {"circle": 0, "segment": 1, "polygon": 2, "line": 3, "dot": 4}
 
 
 @dataclass(slots=True)
@@ -230,6 +236,29 @@ def extent(space: pymunk.Space) -> pymunk.BB:
     reaches = [(point, call.radius if call.outline else 0) for call in recorder.calls for point in call.points]
     boxes = [pymunk.BB.newForCircle(*reach) for reach in reaches if all(map(math.isfinite, (*reach[0], reach[1])))]
     return reduce(pymunk.BB.merge, boxes, pymunk.BB(math.inf, math.inf, -math.inf, -math.inf))
+
+
+def packed(calls: Sequence[DrawCall]) -> tuple[Array, list[list[float]]]:
+    """Return calls as numbers, and their colours: kind, points, radius, angle, fill, outline, moves, and the points."""
+    colours: dict[Any, int] = {}
+    numbers: list[float] = []
+    for call in calls:
+        fill = colours.setdefault(call.fill, len(colours))
+        outline = -1 if call.outline is None else colours.setdefault(call.outline, len(colours))
+        numbers += [_KINDS[call.name], len(call.points), call.radius, call.angle, fill, outline, call.moves]
+        for point in call.points:
+            numbers.extend(point)
+    return np.array(numbers, dtype=float), [[*map(float, colour)] for colour in colours]
+
+
+def still(space: pymunk.Space, field: Mapping[str, Sequence[float]], *, y_down: bool, flags: int) -> Image.Image:
+    """Return a picture of a part of a space, of a centre and a size, with what the `flags` of debug drawing choose."""
+    options = PillowDrawOptions(Image.new("RGB", _STILL_SIZE, "white"), positive_y_is_up=not y_down)
+    options.flags = flags
+    (x, y), (width, height) = field["centre"], field["size"]
+    options.fit(pymunk.BB(x - width / 2, y - height / 2, x + width / 2, y + height / 2))
+    space.debug_draw(options)
+    return options.image
 
 
 def _paint(draw: ImageDraw.ImageDraw, view: pymunk.Transform, line: float, call: DrawCall) -> None:
