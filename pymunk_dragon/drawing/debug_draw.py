@@ -52,14 +52,13 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import reduce
-from typing import Any
+from io import BytesIO
 
-import numpy as np
 import pymunk
 from PIL import Image, ImageDraw
 from pymunk.space_debug_draw_options import SpaceDebugColor as Colour
 
-from pymunk_dragon._arguments import Array, finite
+from pymunk_dragon._arguments import finite
 from pymunk_dragon.errors import ParameterError
 
 __all__ = ["PillowDrawOptions"]
@@ -76,8 +75,6 @@ _EDGE_INSET = 0.4
 _MAX_REACH = 1e9
 # Pixels.
 _STILL_SIZE = 640, 480
-# Numbers of the kinds of calls but contacts in an array.
-_KINDS = {"circle": 0, "segment": 1, "polygon": 2, "line": 3, "dot": 4}
 
 
 @dataclass(slots=True)
@@ -238,27 +235,16 @@ def extent(space: pymunk.Space) -> pymunk.BB:
     return reduce(pymunk.BB.merge, boxes, pymunk.BB(math.inf, math.inf, -math.inf, -math.inf))
 
 
-def packed(calls: Sequence[DrawCall]) -> tuple[Array, list[list[float]]]:
-    """Return calls as numbers, and their colours: kind, points, radius, angle, fill, outline, moves, and the points."""
-    colours: dict[Any, int] = {}
-    numbers: list[float] = []
-    for call in calls:
-        fill = colours.setdefault(call.fill, len(colours))
-        outline = -1 if call.outline is None else colours.setdefault(call.outline, len(colours))
-        numbers += [_KINDS[call.name], len(call.points), call.radius, call.angle, fill, outline, call.moves]
-        for point in call.points:
-            numbers.extend(point)
-    return np.array(numbers, dtype=float), [[*map(float, colour)] for colour in colours]
-
-
-def still(space: pymunk.Space, field: Mapping[str, Sequence[float]], *, y_down: bool, flags: int) -> Image.Image:
-    """Return a picture of a part of a space, of a centre and a size, with what the `flags` of debug drawing choose."""
+def still(space: pymunk.Space, field: Mapping[str, Sequence[float]], *, y_down: bool, flags: int) -> bytes:
+    """Return a PNG of a part of a space, of a centre and a size, with what the `flags` of debug drawing choose."""
     options = PillowDrawOptions(Image.new("RGB", _STILL_SIZE, "white"), positive_y_is_up=not y_down)
     options.flags = flags
     (x, y), (width, height) = field["centre"], field["size"]
     options.fit(pymunk.BB(x - width / 2, y - height / 2, x + width / 2, y + height / 2))
     space.debug_draw(options)
-    return options.image
+    file = BytesIO()
+    options.image.save(file, "png")
+    return file.getvalue()
 
 
 def _paint(draw: ImageDraw.ImageDraw, view: pymunk.Transform, line: float, call: DrawCall) -> None:

@@ -23,7 +23,7 @@ from aiohttp.typedefs import Handler
 from pymunk_dragon._arguments import whole
 from pymunk_dragon._language import language
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.sessions.messages import live_page
+from pymunk_dragon.sessions.page import live_page
 from pymunk_dragon.sessions.recording import Log
 from pymunk_dragon.sessions.session import Session
 
@@ -109,10 +109,14 @@ class Server:
         self.address, self.watch_address = page + self._token, page + self._watch_token
         self._clients: set[_Client] = set()
         self._loop = asyncio.new_event_loop()
-        quiet: dict[str, Any] = {"handle_signals": False, "print": None, "access_log": None}
-        serve = partial(web.run_app, sock=self._socket, loop=self._loop, shutdown_timeout=_STOP_TIME, **quiet)
-        serving = partial(serve, self._application())
-        self._thread = threading.Thread(target=serving, name="pymunk-dragon live server", daemon=True)
+        application = web.Application(middlewares=[self._check])
+        pages = {"/": self._page, "/live": self._page, "/socket": self._connect, "/inputs": self._inputs}
+        application.add_routes([web.get(path, handler) for path, handler in pages.items()])
+        application.on_response_prepare.append(_add_headers)
+        options: dict[str, Any] = {"handle_signals": False, "print": None, "access_log": None}
+        options |= {"sock": self._socket, "loop": self._loop, "shutdown_timeout": _STOP_TIME}
+        serve = partial(web.run_app, application, **options)
+        self._thread = threading.Thread(target=serve, name="pymunk-dragon live server", daemon=True)
         self._thread.start()
 
     def stop(self) -> None:
@@ -127,13 +131,6 @@ class Server:
             self._loop.call_soon_threadsafe(action)
 
     # ---- the server's thread
-
-    def _application(self) -> web.Application:
-        application = web.Application(middlewares=[self._check])
-        pages = {"/": self._page, "/live": self._page, "/socket": self._connect, "/inputs": self._inputs}
-        application.add_routes([web.get(path, handler) for path, handler in pages.items()])
-        application.on_response_prepare.append(_add_headers)
-        return application
 
     def _end(self) -> None:
         for client in self._clients:

@@ -6,7 +6,7 @@ import json
 import math
 import threading
 import traceback
-from collections import OrderedDict, deque
+from collections import deque
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Future
 from contextlib import contextmanager, suppress
@@ -18,11 +18,11 @@ from typing import TYPE_CHECKING, Any, get_type_hints
 import pymunk
 
 from pymunk_dragon._arguments import MAX_COORDINATE, finite, whole, word
+from pymunk_dragon.drawing.canvas import without_nan
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.physics.callbacks import callbacks_raise
 from pymunk_dragon.sessions.controls import Slider
 from pymunk_dragon.sessions.dragon import DragonScene
-from pymunk_dragon.sessions.messages import without_nan
 from pymunk_dragon.sessions.ready import SCENES, Ready, ready
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ INPUTS = {name: {key: kind for key, kind in hints.items() if key != "return"} fo
 _PING: dict[str, dict[str, type]] = {"ping": {"id": int}}
 _OTHERS: dict[str, dict[str, type]] = {"step": {"count": int}, "speed": {"value": float}, "scene": {"name": str}}
 ACTIONS = INPUTS | _OTHERS | _PING | {name: {} for name in ("play", "pause", "reset", "until_contact")}
-# A message that waits is replaced by a later one of these with the same name.
+# A message that waits is replaced by a later one of these with the same name: of many resets, one is carried out.
 _REPLACED = "set", "drag", "scene", "reset"
 # Most inputs: two hours of a mouse that never rests; single steps; and events of a second that clients get.
 MAX_INPUTS, _MAX_COUNT, _MAX_EVENTS = 500_000, 100_000, 20
@@ -58,15 +58,15 @@ class Session:
         self._own = source
         # Pages: `tell` sends one a text, `show` a frame, and `controls` is whether it may change anything.
         self.clients: tuple[Any, ...] = ()
-        self._telling = threading.Lock()
+        self._sharing = threading.Lock()
         # The client whose hand holds a body.
         self._holder: object = None
         self.running, self.speed, self.generation, self._single_steps = running, 1.0, 0, 0
         # The steps of a recording that is played again; and its last poses in the end.
         self._replay: Iterator[None] | None = None
         self._replayed: Future[list[list[float]] | None] = Future()
-        # What is to be done between two steps; a new action replaces one that waits under the same key.
-        self._queue: OrderedDict[object, Callable[[], object]] = OrderedDict()
+        # What is to be done between two steps, by keys.
+        self._queue: dict[object, Callable[[], object]] = {}
         # What clients were told last: the scene, its state, and the error by which the session is paused.
         self._description: dict[str, Any] = {}
         self._told: dict[str, Any] | None = None
@@ -113,7 +113,7 @@ class Session:
 
     def join(self, client: Any) -> None:
         """Have a client get what is told and shown: first the scene, and the error by which it is paused."""
-        with self._telling:
+        with self._sharing:
             self.clients = (*self.clients, client)
             self._told = None
             for message in (self._description, *self._failure):
@@ -121,7 +121,7 @@ class Session:
 
     def leave(self, client: Any) -> None:
         """Forget a client, and drop the body that it holds."""
-        with self._telling:
+        with self._sharing:
             self.clients = tuple(each for each in self.clients if each is not client)
         if self._holder is client:
             self.post({"do": "drop"})
@@ -142,19 +142,18 @@ class Session:
 
     def post(self, message: dict[str, Any], answer: Callable[[Any], object] = lambda error: None) -> None:
         """Have a message take effect before the next step; `answer` is called with the error if it cannot."""
-        # What a later message changes again before the next step is left out, for example one of many resets.
-        key = (message["do"], message.get("name")) if message["do"] in _REPLACED else object()
+        key = (message["do"], message.get("name")) if message["do"] in _REPLACED else None
         self.call(partial(self._take, message, answer), key)
 
     def call(self, action: Callable[[], object], key: object = None) -> None:
         """Have something done in the session's thread, between two steps, in place of what waits with the same key."""
-        key = key or object()
-        self._queue.pop(key, None)
-        self._queue[key] = action
+        with self._sharing:
+            self._queue.pop(key, None)
+            self._queue[key or object()] = action
 
     def tell(self, message: dict[str, Any]) -> None:
         """Send a text to all clients."""
-        with self._telling:
+        with self._sharing:
             for client in self.clients:
                 client.tell(message)
 
@@ -202,8 +201,10 @@ class Session:
         """Take messages, and make frames, and so many steps when they are due."""
         while steps > 0 and not self._ended.is_set():
             with self.held:
-                while self._queue:
-                    self._queue.popitem(last=False)[1]()
+                with self._sharing:
+                    actions, self._queue = self._queue, {}
+                for action in actions.values():
+                    action()
                 now = perf_counter()
                 self._due = max(self._due, now - _LARGEST_DEBT) if self.running else now
                 is_due = self._single_steps > 0 or (self.running and now >= self._due)
@@ -359,13 +360,12 @@ class Session:
     def _build(self, source: Ready, values: Mapping[str, float]) -> None:
         """Begin anew; the old scene stays if the new one cannot be built."""
         self.tell({"kind": "building"})
+        self._told = None
         try:
             scene = source.build(values)
         except Exception:
             self.tell(self._description)
             raise
-        finally:
-            self._told = None
         self.source, self.scene, self.values = source, scene, dict(values)
         self.inputs: list[str] = []
         self.generation += 1

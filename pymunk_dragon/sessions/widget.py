@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from io import BytesIO
 from threading import RLock
 from time import perf_counter
 from typing import Any
@@ -15,7 +14,7 @@ from traitlets import Unicode
 from pymunk_dragon._html import asset, data_address
 from pymunk_dragon._language import language
 from pymunk_dragon.drawing.debug_draw import still
-from pymunk_dragon.sessions.messages import live_page
+from pymunk_dragon.sessions.page import live_page
 from pymunk_dragon.sessions.session import Session
 
 # Frames on the way to the page, at most; the page tells of every third that it has drawn it.
@@ -45,11 +44,10 @@ class LiveWidget(AnyWidget):
 
     def shown(self) -> Any:
         """Display a picture of the present state, which remains in the notebook, and return the page as a bundle."""
-        scene, file = self._session.scene, BytesIO()
+        scene = self._session.scene
         with self._session.held:
-            still(scene.space, scene.field, y_down=scene.play.y_down, flags=scene.drawn).save(file, "png")
-        address = data_address(file.getvalue(), "image/png")
-        picture = f'<img class="{self.still}" alt="A live session" src="{address}">'
+            content = still(scene.space, scene.field, y_down=scene.play.y_down, flags=scene.drawn)
+        picture = f'<img class="{self.still}" alt="A live session" src="{data_address(content, "image/png")}">'
         # In an output of its own: JupyterLab shows no other part of one whose widget is gone.
         display({"text/html": picture, "text/plain": self._session.source.title}, raw=True)
         return self._repr_mimebundle_()
