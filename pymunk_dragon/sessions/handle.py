@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 _KEPT = ("angle", "position", "velocity", "angular_velocity", "force", "torque", "gravity", "damping", "iterations")
 
 
-class Live:
+class Live(AbstractContextManager["Live"]):
     """A running session; `live` makes it.
 
     Examples
@@ -91,9 +91,6 @@ class Live:
     def paused(self) -> AbstractContextManager[bool]:
         """Return a context in which the space is not stepped, so that a program may change it."""
         return self._session.held
-
-    def __enter__(self) -> Live:
-        return self
 
     def __exit__(self, *raised: object) -> None:
         self.stop()

@@ -103,10 +103,10 @@ class Server:
         # Now, because the thread of the server does not have it.
         self._language = language()
         self._socket = _bound(host, port)
-        self._token, self._watch_token = secrets.token_urlsafe(16), secrets.token_urlsafe(16)
+        self._tokens = [secrets.token_urlsafe(16) for _ in range(2)]
         name = "127.0.0.1" if host in ("0.0.0.0", "::") else f"[{host}]" if ":" in host else host
         page = f"http://{name}:{self._socket.getsockname()[1]}/?token="
-        self.address, self.watch_address = page + self._token, page + self._watch_token
+        self.address, self.watch_address = (page + token for token in self._tokens)
         self._clients: set[_Client] = set()
         self._loop = asyncio.new_event_loop()
         application = web.Application(middlewares=[self._check])
@@ -142,9 +142,14 @@ class Server:
         """Refuse requests that come under another name or from another page, or have no token."""
         if self._is_foreign(request.headers.get("Host", ""), request.headers.get("Origin")):
             raise web.HTTPForbidden(text="This host or the page that requests it is not known. See --allow-host.\n")
-        if not (_has_token(request, self._token) or _has_token(request, self._watch_token)):
+        if not any(self._rights(request)):
             raise web.HTTPForbidden(text="The address needs the token that was printed.\n")
         return await handler(request)
+
+    def _rights(self, request: web.Request) -> list[bool]:
+        """Whether a request may control the session, and whether it may only watch."""
+        given = request.query.get("token", "").encode()
+        return [secrets.compare_digest(given, token.encode()) for token in self._tokens]
 
     def _is_foreign(self, host: str, origin: str | None) -> bool:
         """Whether a request is one of another page, or of a page whose name is rebound to this machine."""
@@ -173,7 +178,7 @@ class Server:
         return web.Response(text=text, content_type="application/json", headers=headers)
 
     async def _connect(self, request: web.Request) -> web.StreamResponse:
-        controls = _has_token(request, self._token)
+        controls, _ = self._rights(request)
         watchers = sum(not client.controls for client in self._clients)
         if len(self._clients) >= _MAX_CLIENTS or (watchers >= _MAX_WATCHERS and not controls):
             raise web.HTTPServiceUnavailable(text="There are too many clients.\n")
@@ -210,7 +215,3 @@ def _bound(host: str, port: int) -> socket.socket:
 async def _add_headers(request: web.Request, response: web.StreamResponse) -> None:
     """Add the headers that all answers have, also those of addresses and methods that do not exist."""
     response.headers.update(_HEADERS)
-
-
-def _has_token(request: web.Request, token: str) -> bool:
-    return secrets.compare_digest(request.query.get("token", "").encode(), token.encode())

@@ -218,7 +218,6 @@ class Session:
                 sleep(_TICK)
 
     def _step(self) -> None:
-        """Make one step."""
         scene, begin = self.scene, perf_counter()
         self._single_steps = max(self._single_steps - 1, 0)
         with self._watched():
@@ -311,7 +310,6 @@ class Session:
     # ---- messages
 
     def _take(self, message: dict[str, Any], answer: Callable[[Any], object]) -> None:
-        """Carry out a message."""
         with self._watched(answer):
             if message["do"] in INPUTS and (self._replay is not None or len(self.inputs) >= MAX_INPUTS):
                 bound = f"sent after a replay, and one of at most {MAX_INPUTS} inputs until a reset"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from threading import RLock
 from time import perf_counter
 from typing import Any
 
@@ -37,9 +36,8 @@ class LiveWidget(AnyWidget):
         page, _ = live_page(session.source.title, language())
         super().__init__(page=page)
         self.still = f"live-{self.model_id}"
-        self._session, self._lock = session, RLock()
+        self._session, self._heard = session, 0.0
         self._sent = self._drawn = 0
-        self._heard = 0.0
         self.on_msg(self._receive)
 
     def shown(self) -> Any:
@@ -64,22 +62,20 @@ class LiveWidget(AnyWidget):
 
     def show(self, frame: bytes) -> None:
         """Send a frame, unless the page has to draw those before it."""
-        with self._lock:
-            if perf_counter() - self._heard > SILENCE:
-                self._session.leave(self)
-            elif self._sent - self._drawn < MOST_FRAMES:
-                self._sent += 1
-                self.send({"frame": self._sent}, [frame])
+        if perf_counter() - self._heard > SILENCE:
+            self._session.leave(self)
+        elif self._sent - self._drawn < MOST_FRAMES:
+            self._sent += 1
+            self.send({"frame": self._sent}, [frame])
 
     def _receive(self, widget: object, content: object, buffers: object) -> None:
-        with self._lock:
-            self._heard = perf_counter()
-            if content == 0 or self not in self._session.clients:
-                # A page that begins anew has none of the frames that were sent before, and holds no body.
-                self._session.leave(self)
-                self._drawn = self._sent
-                self._session.join(self)
-            if isinstance(content, str):
-                self._session.receive(self, content)
-            elif isinstance(content, int):
-                self._drawn = max(self._drawn, content)
+        self._heard = perf_counter()
+        if content == 0 or self not in self._session.clients:
+            # A page that begins anew has none of the frames that were sent before, and holds no body.
+            self._session.leave(self)
+            self._drawn = self._sent
+            self._session.join(self)
+        if isinstance(content, str):
+            self._session.receive(self, content)
+        elif isinstance(content, int):
+            self._drawn = max(self._drawn, content)
