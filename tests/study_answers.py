@@ -18,5 +18,5 @@ def answer(name, make):
 def slopes_by_width(**sizes):
     """The sensitivity to one size only, of a shorter dragon, in a fraction of the time."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(sys.modules["pymunk_dragon.studies.sensitivity"], "SIZES", ("width",))
+        patch.setattr(sys.modules["pymunk_dragon.studies.sensitivity"], "_SIZES", ("width",))
         return sensitivity(Dragon(benches=25, **sizes))

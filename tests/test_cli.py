@@ -15,7 +15,7 @@ from conftest import assert_one_line
 from PIL import Image
 
 from pymunk_dragon import Dragon, March, Run, Scenario, render
-from pymunk_dragon.cli import documents
+from pymunk_dragon.cli import render as command
 from pymunk_dragon.cli.common import SCENARIO_OPTIONS
 from pymunk_dragon.drawing.figures import FIGURES
 from pymunk_dragon.reports.contest_tables import paper_tables
@@ -229,7 +229,7 @@ def test_render_sets_runs_side_by_side_with_their_marks_and_words(answer, small_
 @pytest.mark.thorough
 def test_film_of_a_march_ends_with_its_first_contact(answer, tmp_path, monkeypatch):
     timings = []
-    monkeypatch.setattr(documents, "render_film", lambda *given: timings.append(render(*given)))
+    monkeypatch.setattr(command, "render_film", lambda *given: timings.append(render(*given)))
     for path in (tmp_path / "m.gif", tmp_path / "m.png"):
         answer("render", "--benches", "16", "--size", "64", "-o", path)
     # The last 74 s before the contact at 412.47 s, in 11 s.

@@ -16,8 +16,8 @@ from pymunk_dragon._language import in_language
 from pymunk_dragon.drawing import FILM_ENDINGS, lettering, still_png
 from pymunk_dragon.drawing.film.formats import WRITERS, Frames
 from pymunk_dragon.drawing.film.layout import Canvas
-from pymunk_dragon.drawing.film.timing import events_of
-from pymunk_dragon.drawing.overlay import impulses, touches, velocities
+from pymunk_dragon.drawing.film.timing import _events_of
+from pymunk_dragon.drawing.overlay import _impulses, _touches, _velocities
 from pymunk_dragon.drawing.palette import BLOCK, COLOURS, colour_table
 from pymunk_dragon.drawing.sources import states
 from pymunk_dragon.errors import DragonError
@@ -186,13 +186,13 @@ def test_films_of_short_and_long_and_changing_marches_have_a_bearable_length(run
 
 def test_events_are_the_near_misses_and_contacts_of_each_run_once(seed):
     for source in (seed, March()):
-        events = events_of([source], (400 * (source is seed), 412.4738376821))
+        events = _events_of([source], (400 * (source is seed), 412.4738376821))
         assert [event.time for event in events] == pytest.approx([*NEAR_MISSES, CONTACT], abs=1e-3)
     # An unguided run does not have those of the exact model.
     unguided = replace(seed, provenance={"player": "pymunk", "guide": "none"})
-    assert [event.time for event in events_of([unguided], (400, 412.5))] == [CONTACT]
+    assert [event.time for event in _events_of([unguided], (400, 412.5))] == [CONTACT]
     later = replace(seed, first_contact=replace(seed.first_contact, time=CONTACT - 1e-4))
-    assert events_of([seed, later, seed.march], (0, CONTACT)) == events_of([later], (0, CONTACT))
+    assert _events_of([seed, later, seed.march], (0, CONTACT)) == _events_of([later], (0, CONTACT))
 
 
 def test_two_runs_stand_side_by_side_from_the_same_distance_until_both_are_over(run, tmp_path):
@@ -346,7 +346,7 @@ def test_exact_model_beside_a_run_shows_the_position_errors_of_the_run(run, text
 
 def test_velocities_of_a_run_are_those_of_its_march(run):
     [state] = states(run, np.array([4.321]))
-    np.testing.assert_allclose(velocities(run, *state), MARCH.at([4.321]).velocities[0], atol=2e-3)
+    np.testing.assert_allclose(_velocities(run, *state), MARCH.at([4.321]).velocities[0], atol=2e-3)
 
 
 def test_pictures_look_as_they_did(seed, golden):
@@ -364,10 +364,10 @@ def test_pictures_look_as_they_did(seed, golden):
 
 
 def test_contacts_are_shown_while_benches_touch(seed, small_run):
-    assert touches(seed, CONTACT) == [([seed.first_contact.point], seed.first_contact.normal)]
+    assert _touches(seed, CONTACT) == [([seed.first_contact.point], seed.first_contact.normal)]
     [window] = [window for window in small_run.events.windows() if window.end is not None]
-    assert touches(small_run, (window.begin + window.end) / 2)
-    assert not touches(small_run, window.begin - 0.05)
+    assert _touches(small_run, (window.begin + window.end) / 2)
+    assert not _touches(small_run, window.begin - 0.05)
 
 
 def test_area_of_a_disc_is_in_proportion_to_the_impulse_of_the_frame_before(run):
@@ -380,4 +380,4 @@ def test_area_of_a_disc_is_in_proportion_to_the_impulse_of_the_frame_before(run)
     assert areas[0] / areas[1] == pytest.approx(4.0, rel=0.1)
     rising = replace(run, joint_impulses=np.repeat(np.arange(len(run.times), dtype=float)[:, None], 15, axis=1))
     for time, frame in ((0.0, 0), (0.0149, 1), (9.999, 999), (10.0, 1000)):
-        assert impulses(rising, time)[0] == frame
+        assert _impulses(rising, time)[0] == frame

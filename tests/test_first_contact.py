@@ -19,7 +19,7 @@ from pymunk_dragon.collision.bounds import UNPROVEN_ROUNDING, Intervals, MotionB
 from pymunk_dragon.collision.first_contact import _near_misses
 from pymunk_dragon.errors import DragonError, ParameterError, UnreachableError
 from pymunk_dragon.model.curves import Arc, Composite, Line, Sampled, Spiral, sampled
-from pymunk_dragon.physics.callbacks import Motion, refined_contact
+from pymunk_dragon.physics.callbacks import Motion
 
 # A bench that is 1 mm wider touches bench 11 where the seed's passes it; this one for 4 ms.
 TOUCHING_WIDTH = 0.3009741
@@ -350,7 +350,7 @@ def test_contact_by_rounding_only_is_at_the_end_of_the_substep():
     dragon = equal(3, 1.5, 0.5, 1.0)
     poses = np.array([[0.0, 0.0, 0.0], [9.0, 9.0, 0.0], [2.5 + 1e-15, 0.0, 0.0]])
     contact = Contact(time=1.1, raw_time=1.1, benches=(0, 2), point=(1.25, 0.0), normal=(1.0, 0.0), depth=0.0)
-    assert refined_contact(dragon, contact, Motion(poses, 0 * poses, 0 * poses), 1.0) == contact
+    assert Motion(poses, 0 * poses, 0 * poses).refined(dragon, contact, 1.0) == contact
 
 
 def test_constant_gap_is_no_near_miss():

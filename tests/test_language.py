@@ -8,12 +8,12 @@ import pytest
 from PIL import ImageFont
 
 from pymunk_dragon import Dragon, March
-from pymunk_dragon._display import width
 from pymunk_dragon._language import font, in_language, language, text, texts
 from pymunk_dragon.drawing.figures import figure
 from pymunk_dragon.errors import MissingExtraError, ParameterError
 from pymunk_dragon.lessons import LESSONS, play
 from pymunk_dragon.lessons._framework import lesson
+from pymunk_dragon.model._display import width
 
 CHINESE = re.compile("[\u4e00-\u9fff]")
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]\d+)?")

@@ -25,7 +25,7 @@ from pymunk_dragon import Contact, Dragon, March, Run, first_contact, player_pag
 from pymunk_dragon._language import in_language
 from pymunk_dragon.drawing.palette import Palette
 from pymunk_dragon.model.contact import ContactEvent, ContactLog
-from pymunk_dragon.player.data import contact_windows, curve_points, exact_offsets, handle_vectors, pack
+from pymunk_dragon.player.data import _contact_windows, _exact_offsets, _handle_vectors, curve_points, pack
 
 SMALL = March(Dragon(benches=16), turns=8)
 MARKUP = "</script><img src=http://127.0.0.1:9/x onerror=alert(1)><!--<script>{{style}}&amp;"
@@ -204,7 +204,7 @@ def test_windows_begin_at_the_first_contact(run, seed_march):
     def windows(events, time, benches=(0, 8)):
         first = Contact(time=time, raw_time=2.0, benches=benches, point=(0.0, 0.0), normal=(1.0, 0.0), depth=0.0)
         log = ContactLog(tuple(ContactEvent(time=at, phase=phase, benches=pair) for at, phase, pair in events))
-        found = contact_windows(replace(run, events=log, first_contact=first))
+        found = _contact_windows(replace(run, events=log, first_contact=first))
         return [(each["benches"], each["begin"], each["end"]) for each in found]
 
     # An event of the engine has the time of the end of its substep.
@@ -227,7 +227,7 @@ def test_texts_of_the_page_and_of_its_run_are_in_both_languages(run, page):
 
 def test_offsets_of_the_exact_model_come_back_within_half_a_micrometre(small_run, page):
     run = small_run
-    offsets = run.march.at(run.times).positions - handle_vectors(*run.march.dragon.holes(run.poses))
+    offsets = run.march.at(run.times).positions - _handle_vectors(*run.march.dragon.holes(run.poses))
     text = player_page(run)
     found = Page(text)
     assert found.payload["exact"]["step"] == pytest.approx(0.5e-6)
@@ -236,9 +236,9 @@ def test_offsets_of_the_exact_model_come_back_within_half_a_micrometre(small_run
     # Frames without a state of the model, and runs whose errors belong to other times, have none.
     drift = run.drift.copy()
     drift[10:] = np.nan
-    assert exact_offsets(replace(run, drift=drift)).shape == (10, 17, 2)
-    assert exact_offsets(replace(run, drift=drift * np.nan)) is None
-    assert exact_offsets(replace(run, times=run.times + 0.1)) is None
+    assert _exact_offsets(replace(run, drift=drift)).shape == (10, 17, 2)
+    assert _exact_offsets(replace(run, drift=drift * np.nan)) is None
+    assert _exact_offsets(replace(run, times=run.times + 0.1)) is None
     assert page.payload["exact"] is None
 
 

@@ -24,7 +24,7 @@ from pymunk_dragon import ContactLog, Dragon, March, Run, report, simulate
 from pymunk_dragon._language import in_language
 from pymunk_dragon.errors import ParameterError, UnreachableError
 from pymunk_dragon.reports import document, formats, summarize, write_contact_table, write_tables
-from pymunk_dragon.reports.formats import REPORT_ENDINGS, html, markdown
+from pymunk_dragon.reports.formats import FORMATS
 
 # Like the paper's 223 benches, these meet as 0 and 8; the head passes 9 and 11 on the way.
 SMALL = March(Dragon(benches=16), turns=8)
@@ -111,7 +111,7 @@ def test_report_on_any_run_is_whole_in_every_format(name, small_run, written):
 def test_report_has_the_same_bytes_each_time_and_in_chinese_the_same_numbers(small_run, written, tmp_path):
     small_run.save(tmp_path / "run.npz")
     again = replace(Run.load(tmp_path / "run.npz"), wall_seconds=3.0)
-    for ending in REPORT_ENDINGS:
+    for ending in FORMATS:
         for language in ("en", "zh"):
             with in_language(language):
                 report(again, tmp_path / f"{language}{ending}")
@@ -152,7 +152,7 @@ def test_scenarios_of_other_marches_are_told():
     ):
         found = summarize(Run.exact(march, [0.0, 0.5]))
         assert {name: found.scenario[name] for name in scenario} == scenario
-        assert f"A dragon of {march.dragon.benches} benches" in markdown(found)
+        assert f"A dragon of {march.dragon.benches} benches" in FORMATS[".md"](found)
 
 
 def test_run_is_compared_with_the_exact_contact_if_a_guide_kept_it_on_its_path(small_run):
@@ -160,12 +160,12 @@ def test_run_is_compared_with_the_exact_contact_if_a_guide_kept_it_on_its_path(s
     assert (found["exact"]["status"], found["exact"]["benches"]) == ("contact", [0, 8])
     assert [near["benches"] for near in found["near_misses"]] == [[0, 11]]
     late = 1e3 * (small_run.first_contact.time - found["exact"]["time"])
-    said = markdown(summarize(small_run))
+    said = FORMATS[".md"](summarize(small_run))
     assert said.count(f"{abs(late):.3f} ms {'late' if late > 0 else 'early'}") == 1
     other = replace(small_run, first_contact=replace(small_run.first_contact, benches=(0, 9)))
     off = RUNS["nobody on the path"](small_run)
     for run in (RUNS["no contact"](small_run), other, off):
-        said = markdown(summarize(run))
+        said = FORMATS[".md"](summarize(run))
         assert "t = 80.691317692 s: benches 0 and 8 " in said
         assert "The same benches" not in said
         assert ("No guide kept this dragon on its path" in said) == (run is off)
@@ -186,8 +186,8 @@ def test_csv_brings_every_number_back(small_run, written):
 
 
 def test_long_tables_are_cut_and_say_how_many_rows_there_are(small_run, monkeypatch):
-    monkeypatch.setattr(document, "MAX_ROWS", 100)
-    for write in (markdown, html):
+    monkeypatch.setattr(document, "_MAX_ROWS", 100)
+    for write in (FORMATS[".md"], FORMATS[".html"]):
         content = write(summarize(small_run))
         assert f"first 100 of {len(small_run.events)} rows" in content
         assert len(re.findall(r"(?:begin|pre\\?_solve|separate)(?= \||</td>)", content)) == 100
@@ -221,7 +221,7 @@ def test_impossible_files_and_times_are_refused_and_without_matplotlib_is_no_cha
     for write, *arguments in calls:
         refusal(write, *arguments, error=(ParameterError, UnreachableError))
     monkeypatch.setitem(sys.modules, "matplotlib", None)
-    assert not check_page(html(summarize(small_run)))
+    assert not check_page(FORMATS[".html"](summarize(small_run)))
     assert list(tmp_path.iterdir()) == []
 
 

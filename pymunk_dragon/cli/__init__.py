@@ -45,13 +45,8 @@ COMMANDS = {
     "demo": "Play a lesson.",
     "live": "Play the dragon in real time, and touch it in a browser.",
 }
-# Modules of commands that are not in the module of their name.
-_MODULES = dict.fromkeys(("positions", "contact"), "exact")
-_MODULES |= dict.fromkeys(("render", "figure", "report"), "documents")
 # Environment variable with which a shell demands completions, as Click names it.
-COMPLETE_VARIABLE = "_PYMUNK_DRAGON_COMPLETE"
-# Commands for the start, in the help of the program.
-EXAMPLES = ("demo spiral", "contact", "simulate --from 400 -o run.npz", "render run.npz", "report run.npz")
+_COMPLETE_VARIABLE = "_PYMUNK_DRAGON_COMPLETE"
 # Exit codes.
 _DONE, _FAILED, _BAD_INPUT, _INTERRUPTED = 0, 1, 2, 130
 # Errors of the user's input, or of the installation; others of the package are failures.
@@ -60,7 +55,7 @@ _INPUT_ERRORS = (errors.ParameterError, errors.UnreachableError, errors.FileForm
 
 def command(name: str) -> click.Command:
     """Import a command."""
-    found: click.Command = getattr(import_module(f"{__name__}.{_MODULES.get(name, name)}"), name)
+    found: click.Command = getattr(import_module(f"{__name__}.{name}"), name)
     return found
 
 
@@ -83,7 +78,7 @@ class _Program(click.Group):
     cls=_Program,
     commands={name: click.Command(name, short_help=summary) for name, summary in COMMANDS.items()},
     context_settings={"help_option_names": ["-h", "--help"]},
-    epilog=epilog_of(EXAMPLES),
+    epilog=epilog_of(("demo spiral", "contact", "simulate --from 400 -o run.npz", "render run.npz", "report run.npz")),
 )
 @click.version_option(__version__, "-V", "--version", prog_name=PROGRAM)
 def cli() -> None:
@@ -119,8 +114,8 @@ def status(arguments: list[str] | None = None) -> int:
 
 def _run(arguments: list[str]) -> int:
     """Run the program and return its exit code; errors are raised."""
-    if instruction := os.environ.get(COMPLETE_VARIABLE):
-        return shell_complete(cli, {}, PROGRAM, COMPLETE_VARIABLE, instruction)
+    if instruction := os.environ.get(_COMPLETE_VARIABLE):
+        return shell_complete(cli, {}, PROGRAM, _COMPLETE_VARIABLE, instruction)
     try:
         # Not `cli.main`, which prints an empty line when it is interrupted.
         with cli.make_context(PROGRAM, list(arguments)) as context:

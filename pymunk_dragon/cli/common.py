@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from decimal import Decimal
+from functools import reduce
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -52,7 +53,7 @@ SCENARIO_OPTIONS: dict[str, tuple[Any, str, str]] = {
 }
 
 
-class DragonCommand(click.Command):
+class _Command(click.Command):
     """A command with the option --lang, whose errors name flags instead of the parameters that get their values.
 
     Its help has the options of a scenario last, and below them `examples`: arguments of the command.
@@ -75,6 +76,11 @@ class DragonCommand(click.Command):
             raise
 
 
+def command(*examples: str) -> Callable[[Callable[..., Any]], click.Command]:
+    """Make a function a command, with `examples` of its arguments in the help."""
+    return click.command(cls=_Command, examples=examples)
+
+
 def epilog_of(examples: Sequence[str]) -> str:
     """The end of a help: examples, each a command with its arguments."""
     return "\n".join(["\b", "Examples:", *(f"  {PROGRAM} {example}".rstrip() for example in examples)])
@@ -87,22 +93,18 @@ def flags_given(*names: str) -> list[str]:
     return [option.opts[0] for option in options if context.get_parameter_source(str(option.name)) is given]
 
 
-# Hosts at which only this machine reaches a page.
-LOCAL = ("127.0.0.1", "localhost", "::1")
+def options(*declared: Callable[[F], F]) -> Callable[[F], F]:
+    """Several options of a command as one decorator."""
+    return lambda function: reduce(lambda done, option: option(done), reversed(declared), function)
 
 
-def address_options(function: F) -> F:
-    """Add the options of a server to a command."""
-    for option in (
-        click.option("--no-browser", "browser", flag_value=False, default=True, help="Do not open a browser."),
-        click.option("--allow-host", "allow_hosts", multiple=True, metavar="NAME", help="Name of a proxy; repeatable."),
-        click.option("--host", default=LOCAL[0], metavar="ADDRESS", help="Address to listen on.  [this machine only]"),
-        click.option("--port", type=int, default=0, metavar="N", help="Port.  [a free one]"),
-    ):
-        option(function)
-    return function
-
-
+# Those of a server.
+address_options = options(
+    click.option("--port", type=int, default=0, metavar="N", help="Port.  [a free one]"),
+    click.option("--host", default="127.0.0.1", metavar="ADDRESS", help="Address to listen on.  [this machine only]"),
+    click.option("--allow-host", "allow_hosts", multiple=True, metavar="NAME", help="Name of a proxy; repeatable."),
+    click.option("--no-browser", "browser", flag_value=False, default=True, help="Do not open a browser."),
+)
 _LANGUAGE = click.Option(
     ["--lang", "language"],
     metavar="LANG",
@@ -121,7 +123,7 @@ def output_option(endings: str, default: str | None = None) -> Callable[[F], F]:
     """The options --json and -o; the ending of its file chooses the format."""
     about = f"File to write: {endings}." + (f"  [{default}]" if default else "")
     output = click.option("-o", "--output", metavar="FILE", type=click.Path(), help=about)
-    return lambda function: json_option(output(function))
+    return options(json_option, output)
 
 
 def scenario_options(function: F) -> F:
@@ -156,8 +158,7 @@ def _curve_options() -> dict[str, tuple[Any, str, str]]:
 
 def chosen() -> dict[str, Any]:
     """The options of the dragon and its curve that were given, by name."""
-    found: dict[str, Any] = click.get_current_context().meta.get("scenario", {})
-    return found
+    return dict(click.get_current_context().meta.get("scenario", {}))
 
 
 def file_values() -> dict[str, Any]:

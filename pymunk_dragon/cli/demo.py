@@ -14,10 +14,8 @@ from pymunk_dragon.lessons import LESSONS, Lesson, play, write_lessons
 from pymunk_dragon.lessons._framework.page import endings, run_page
 from pymunk_dragon.lessons._framework.recording import record
 
-EXAMPLES = ("", "spiral", "chain --lang zh", "-o lessons.html", "--live")
 
-
-@click.command(cls=common.DragonCommand, examples=EXAMPLES)
+@common.command("", "spiral", "chain --lang zh", "-o lessons.html", "--live")
 @click.argument("name", metavar="[LESSON]", required=False, type=click.Choice(list(LESSONS)))
 @click.option("--save", metavar="DIR", type=click.Path(), help="Folder for the picture.  [a temporary one]")
 @click.option("--live", is_flag=True, help="Show the lessons on a page whose experiments with Pymunk are live.")

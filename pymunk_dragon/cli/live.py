@@ -16,11 +16,12 @@ from pymunk_dragon.sessions.ready import SCENES, Ready, dragon, planned, ready
 from pymunk_dragon.sessions.recording import RECORDING_ENDINGS, Log, record
 from pymunk_dragon.sessions.session import Session
 
+# Hosts at which only this machine reaches a page.
+_LOCAL = ("127.0.0.1", "localhost", "::1")
 _RECORD = "File to write at the end: inputs, .json, or the run of a dragon, .npz, which `render` films."
-EXAMPLES = ("", "near-miss", "--benches 60 --from 300 -o live.json", "--replay live.json --exit -o live.npz")
 
 
-@click.command(cls=common.DragonCommand, examples=EXAMPLES)
+@common.command("", "near-miss", "--benches 60 --from 300 -o live.json", "--replay live.json --exit -o live.npz")
 @click.argument("scene", required=False, type=click.Choice(list(SCENES)))
 @common.scenario_options
 @common.start_option
@@ -65,7 +66,7 @@ def serve(session: Session, log: Log | None, path: Path | None, **address: Any) 
 
     running = handle.Live(session, **address)
     try:
-        if address["host"] not in common.LOCAL:
+        if address["host"] not in _LOCAL:
             click.echo(text("Anybody who can reach this address and knows it can control the session:"), err=True)
         click.echo(text("control: {address}").format(address=running.address))
         click.echo(text("watch:   {address}").format(address=running.watch_address))

@@ -13,16 +13,15 @@ from pymunk_dragon.model.settings import EngineSettings
 from pymunk_dragon.physics import GUIDES
 from pymunk_dragon.physics import simulate as play
 
-CONTACTS = ("stop", "report", "resolve")
-EXAMPLES = ("-o run.npz", "--from 400 --substep 0.0025 --iterations 60", "--guide none --until 20")
+_CONTACTS = ("stop", "report", "resolve")
 
 
-@click.command(cls=common.DragonCommand, examples=EXAMPLES)
+@common.command("-o run.npz", "--from 400 --substep 0.0025 --iterations 60", "--guide none --until 20")
 @common.scenario_options
 @common.start_option
 @common.until_option
 @click.option("--guide", type=click.Choice(list(GUIDES)), default="rails", help="What keeps it on the path.  [rails]")
-@click.option("--contacts", type=click.Choice(CONTACTS), default="stop", help="What contacts do.  [stop]")
+@click.option("--contacts", type=click.Choice(_CONTACTS), default="stop", help="What contacts do.  [stop]")
 @click.option("--head-force", type=float, metavar="F", help="Largest force at contacts, N.  [twice the ground drag]")
 @click.option("--substep", type=float, metavar="T", help="Substep, s.  [20 mm of the head, or 5 mm to resolve]")
 @click.option("--iterations", type=int, metavar="N", help="Solver iterations.  [10, or 60 if contacts are resolved]")

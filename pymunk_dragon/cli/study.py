@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from inspect import signature
 from pathlib import Path
 from typing import Any
@@ -13,21 +14,20 @@ from pymunk_dragon.model.scenario import Scenario
 from pymunk_dragon.studies import STUDIES
 
 
-def _study_options(function: common.F) -> common.F:
-    """Add the options of single studies to a command."""
-    known = [(study, name, *flag) for study in STUDIES.values() for name, flag in study.flags.items()]
-    for study, name, metavar, words in reversed(known):
-        kind, flag = type(signature(study.run).parameters[name].default), name.replace("_", "-")
-        flags = f"--{flag}/--no-{flag}" if kind is bool else f"--{flag}"
-        about = f"Options of {study.name}: {words[:1].upper()}{words[1:]}"
-        click.option(flags, name, type=kind, metavar=metavar, default=None, help=about)(function)
-    return function
+def _options() -> Iterator[Callable[[common.F], common.F]]:
+    """The options of single studies."""
+    for study in STUDIES.values():
+        for name, (metavar, words) in study.flags.items():
+            kind, flag = type(signature(study.run).parameters[name].default), name.replace("_", "-")
+            flags = f"--{flag}/--no-{flag}" if kind is bool else f"--{flag}"
+            about = f"Options of {study.name}: {words[:1].upper()}{words[1:]}"
+            yield click.option(flags, name, type=kind, metavar=metavar, default=None, help=about)
 
 
-@click.command(cls=common.DragonCommand, examples=("", "min-pitch", "u-turn -o turn.png", "max-speed --limit 1.5"))
+@common.command("", "min-pitch", "u-turn -o turn.png", "max-speed --limit 1.5")
 @click.argument("name", metavar="[STUDY]", required=False, type=click.Choice(list(STUDIES)))
 @common.scenario_options
-@_study_options
+@common.options(*_options())
 @common.output_option(".json, .png, .svg or .pdf for a picture of the answer, or .xlsx for sheets of the contest")
 def study(name: str | None, output: str | None, **options: float | bool | None) -> None:
     """Run a study of many marches.

@@ -11,18 +11,16 @@ from typing import Any
 
 import click
 
+from pymunk_dragon import sweeps
 from pymunk_dragon.cli import common
 from pymunk_dragon.errors import DragonError, ParameterError
-from pymunk_dragon.sweeps import QUANTITIES
-from pymunk_dragon.sweeps import sweep as run_sweep
 
-EXAMPLES = ("--axis pitch=0.42:0.46:0.01 --benches 60", "--axis pitch=0.5:0.6:0.005 -o pitch.csv -o pitch.png")
 _AXIS = "NAME=VALUES, such as pitch=0.4:0.8:0.01 or benches=50,100"
-_QUANTITY = f"{', '.join(QUANTITIES)}, or module:function, a function of a march.  [contact-time]"
+_QUANTITY = f"{', '.join(sweeps.QUANTITIES)}, or module:function, a function of a march.  [contact-time]"
 _OUTPUT = "File to write: .csv, or .png, .svg or .pdf for a picture. May be repeated."
 
 
-@click.command(cls=common.DragonCommand, examples=EXAMPLES)
+@common.command("--axis pitch=0.42:0.46:0.01 --benches 60", "--axis pitch=0.5:0.6:0.005 -o pitch.csv -o pitch.png")
 @common.scenario_options
 @click.option("--axis", multiple=True, metavar="NAME=VALUES", help=_AXIS)
 @click.option("--quantity", metavar="NAME", default="contact-time", help=_QUANTITY)
@@ -44,7 +42,7 @@ def sweep(axis: tuple[str, ...], output: tuple[str, ...], **settings: Any) -> No
     # What a quantity prints is not part of a table on stdout.
     with common.progress("sweep") as show, redirect_stdout(sys.stderr):
         scenario = common.file_values() | common.chosen()
-        found = run_sweep(scenario, _axes(axis), out=output, progress=show, **settings)
+        found = sweeps.sweep(scenario, _axes(axis), out=output, progress=show, **settings)
     for file in output:
         common.wrote(Path(file))
     common.answer(found.to_dict(), found if output else "\n".join(found.csv()))

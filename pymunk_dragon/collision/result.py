@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
-from pymunk_dragon._display import Printed
 from pymunk_dragon._language import text
+from pymunk_dragon.model._display import Printed
 from pymunk_dragon.model.contact import Contact, contact_text
 
 __all__ = ["FirstContact", "NearMiss"]

@@ -63,12 +63,12 @@ from pymunk_dragon.errors import ParameterError
 
 __all__ = ["PillowDrawOptions"]
 
-Point = tuple[float, float]
+_Point = tuple[float, float]
 
 # Line widths: half the length of a collision mark. Chipmunk's is two units of the space, which may be two metres.
 _COLLISION_MARK = 5.0
 # Drawn pixels per pixel along each axis.
-SAMPLES = 2
+_SAMPLES = 2
 # Drawn pixels: ImageDraw also fills the pixels on a polygon's edge, so every radius is smaller by this.
 _EDGE_INSET = 0.4
 # Drawn pixels: what reaches farther is not drawn, because ImageDraw has integers of 32 bits.
@@ -87,7 +87,7 @@ class DrawCall:
     """
 
     name: str
-    points: tuple[Point, ...]
+    points: tuple[_Point, ...]
     radius: float
     fill: Colour
     outline: Colour | None = None
@@ -118,24 +118,24 @@ class DrawRecorder(pymunk.SpaceDebugDrawOptions):
             return self.shape_static_color
         return Colour(red, green, blue, alpha)
 
-    def draw_circle(self, pos: Point, angle: float, radius: float, outline_color: Colour, fill_color: Colour) -> None:
+    def draw_circle(self, pos: _Point, angle: float, radius: float, outline_color: Colour, fill_color: Colour) -> None:
         """Record a circle with a line from its centre in the direction of `angle`."""
         self.calls.append(DrawCall("circle", (pos,), radius, fill_color, outline_color, angle, self._moves))
 
-    def draw_segment(self, a: Point, b: Point, color: Colour) -> None:
+    def draw_segment(self, a: _Point, b: _Point, color: Colour) -> None:
         """Record a line of a constraint or, if it has the colour of collision points, a contact."""
         contact = color == self.collision_point_color != self.constraint_color
         self.calls.append(DrawCall("contact" if contact else "line", (a, b), 0.0, color))
 
-    def draw_fat_segment(self, a: Point, b: Point, radius: float, outline_color: Colour, fill_color: Colour) -> None:
+    def draw_fat_segment(self, a: _Point, b: _Point, radius: float, outline_color: Colour, fill_color: Colour) -> None:
         """Record a segment with round ends."""
         self.calls.append(DrawCall("segment", (a, b), radius, fill_color, outline_color, 0.0, self._moves))
 
-    def draw_polygon(self, verts: Sequence[Point], radius: float, outline_color: Colour, fill_color: Colour) -> None:
+    def draw_polygon(self, verts: Sequence[_Point], radius: float, outline_color: Colour, fill_color: Colour) -> None:
         """Record a convex polygon with corners rounded by a radius."""
         self.calls.append(DrawCall("polygon", tuple(verts), radius, fill_color, outline_color, 0.0, self._moves))
 
-    def draw_dot(self, size: float, pos: Point, color: Colour) -> None:
+    def draw_dot(self, size: float, pos: _Point, color: Colour) -> None:
         """Record a disc of radius `size`, pixels."""
         self.calls.append(DrawCall("dot", (pos,), size, color))
 
@@ -213,15 +213,15 @@ class PillowDrawOptions(DrawRecorder):
         super().__exit__(*raised)
         if raised[1] is not None:
             return
-        canvas = self.image.resize([SAMPLES * length for length in self.image.size], Image.Resampling.NEAREST)
-        view = pymunk.Transform.scaling(SAMPLES) @ self.transform
+        canvas = self.image.resize([_SAMPLES * length for length in self.image.size], Image.Resampling.NEAREST)
+        view = pymunk.Transform.scaling(_SAMPLES) @ self.transform
         if self.positive_y_is_up:
             view = pymunk.Transform(1, 0, 0, -1, 0, canvas.height) @ view
         # Blends translucent colours with the canvas.
         draw = ImageDraw.Draw(canvas, "RGBA")
         for call in self.calls:
-            _paint(draw, view, SAMPLES * self.line_width, call)
-        self.image.paste(canvas.reduce(SAMPLES))
+            _paint(draw, view, _SAMPLES * self.line_width, call)
+        self.image.paste(canvas.reduce(_SAMPLES))
 
 
 def extent(space: pymunk.Space) -> pymunk.BB:
@@ -283,9 +283,9 @@ def _sides(points: Sequence[pymunk.Vec2d]) -> tuple[list[pymunk.Vec2d], list[flo
     return corners, [(after - corner).angle for corner, after in zip(corners, following, strict=True)]
 
 
-def _around(corners: Sequence[Point], headings: Sequence[float], distance: float) -> list[Point]:
+def _around(corners: Sequence[_Point], headings: Sequence[float], distance: float) -> list[_Point]:
     """Return the polygon at a distance around a point, a line or a convex polygon."""
-    polygon: list[Point] = []
+    polygon: list[_Point] = []
     for i, (x, y) in enumerate(corners):
         turn = (headings[i] - headings[i - 1]) % math.tau
         # At a straight corner, rounding can give an angle just below a full circle. A point has one.
@@ -298,6 +298,6 @@ def _around(corners: Sequence[Point], headings: Sequence[float], distance: float
     return polygon
 
 
-def _pixels(points: Sequence[Point]) -> list[tuple[int, int]]:
+def _pixels(points: Sequence[_Point]) -> list[tuple[int, int]]:
     """Return points in the coordinates of ImageDraw, whose origin is the centre of the first pixel."""
     return [(round(x - 0.5), round(y - 0.5)) for x, y in points]

@@ -88,7 +88,7 @@ class Layer:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Overlay:
+class _Overlay:
     """Kind of overlay: what it shows, for the help, a function that draws it, and whether it lies below the benches.
 
     `needs` is an attribute of a `Run` that marches and some runs do not have.
@@ -115,7 +115,7 @@ def draw_overlays(layer: Layer, names: Collection[str], *, below: bool = False) 
             overlay.draw(layer)
 
 
-def velocities(source: Source, time: float, poses: Array) -> Array:
+def _velocities(source: Source, time: float, poses: Array) -> Array:
     """Return the velocities (N + 1, 2) of the handles of a source at a time, m/s."""
     if not isinstance(source, Run):
         return np.asarray(source.at([time]).velocities[0])
@@ -123,13 +123,13 @@ def velocities(source: Source, time: float, poses: Array) -> Array:
     return np.concatenate([front, rear[-1:]])
 
 
-def impulses(run: Run, time: float) -> Array:
+def _impulses(run: Run, time: float) -> Array:
     """Return the impulses (N - 1,) of the frame before a time, N s, which are not interpolated."""
     assert run.joint_impulses is not None  # Other runs are refused.
     return np.asarray(run.joint_impulses[np.searchsorted(run.times, time, side="right") - 1])
 
 
-def touches(run: Run, time: float) -> list[tuple[Sequence[Sequence[float]], Sequence[float]]]:
+def _touches(run: Run, time: float) -> list[tuple[Sequence[Sequence[float]], Sequence[float]]]:
     """Return the contact points, m, and the normal of each contact at a time.
 
     They are those of the last callback in the last substep; before all callbacks, of the refined first contact.
@@ -145,7 +145,7 @@ def touches(run: Run, time: float) -> list[tuple[Sequence[Sequence[float]], Sequ
 
 def _draw_velocities(layer: Layer) -> None:
     front, rear = layer.dragon.holes(layer.poses)
-    motion = _ARROW_TIME * velocities(layer.source, layer.time, layer.poses)
+    motion = _ARROW_TIME * _velocities(layer.source, layer.time, layer.poses)
     layer.arrows(np.concatenate([front, rear[-1:]]), motion)
 
 
@@ -154,7 +154,7 @@ def _draw_impulses(layer: Layer) -> None:
     assert layer.source.joint_impulses is not None
     largest = float(layer.source.joint_impulses.max(initial=0.0)) or 1.0
     # The disc's area is proportional to the impulse.
-    shares = np.sqrt(impulses(layer.source, layer.time) / largest)
+    shares = np.sqrt(_impulses(layer.source, layer.time) / largest)
     radii = _DISC_RADIUS * float(layer.dragon.widths.min()) * layer.scale * shares
     _, rear = layer.dragon.holes(layer.poses)
     for centre, radius in zip(layer.pixels(rear[:-1]).tolist(), radii.tolist(), strict=True):
@@ -163,7 +163,7 @@ def _draw_impulses(layer: Layer) -> None:
 
 def _draw_contacts(layer: Layer) -> None:
     assert isinstance(layer.source, Run)  # Marches are refused.
-    for points, normal in touches(layer.source, layer.time):
+    for points, normal in _touches(layer.source, layer.time):
         centres = layer.pixels(points)
         for centre in centres.tolist():
             layer.disc(centre, _CONTACT_RADIUS)
@@ -192,9 +192,9 @@ def _draw_grid(layer: Layer) -> None:
 
 
 # All overlays by name, in the order in which they are drawn.
-OVERLAYS: Mapping[str, Overlay] = {
-    "velocities": Overlay(shows="Arrows to where the handles would be in half a second.", draw=_draw_velocities),
-    "grid": Overlay(shows="The cells of the broad phase, darker where a bench is filed.", draw=_draw_grid, below=True),
-    "contacts": Overlay(shows="Contact points and normals.", needs="events", draw=_draw_contacts),
-    "impulses": Overlay(shows="Impulses in the joints, as discs.", needs="joint_impulses", draw=_draw_impulses),
+OVERLAYS: Mapping[str, _Overlay] = {
+    "velocities": _Overlay(shows="Arrows to where the handles would be in half a second.", draw=_draw_velocities),
+    "grid": _Overlay(shows="The cells of the broad phase, darker where a bench is filed.", draw=_draw_grid, below=True),
+    "contacts": _Overlay(shows="Contact points and normals.", needs="events", draw=_draw_contacts),
+    "impulses": _Overlay(shows="Impulses in the joints, as discs.", needs="joint_impulses", draw=_draw_impulses),
 }

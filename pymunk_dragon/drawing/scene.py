@@ -31,7 +31,7 @@ _MIN_HOLE_DIAMETER = 4.0
 # Drawn pixels between points of the curve: long enough to be smooth in whole pixels, short enough to appear round.
 _CURVE_STEP = 6.0
 # Points of the curve: limits memory if the curve is much longer than the view.
-MAX_CURVE_POINTS = 200_000
+_MAX_CURVE_POINTS = 200_000
 # Width of the curve as a fraction of the width of the narrowest bench.
 _CURVE_WIDTH = 0.04
 # Pixels: radius of the ring around a contact or a near miss.
@@ -82,7 +82,7 @@ class Scene:
         """Draw the benches at `poses` (N, 3) and a time, s (mode RGB)."""
         layer, march = self.layer(time, poses), march_of(self.source)
         contact = self.contact if self.contact and time >= self.contact.time else None
-        nearest = None if contact else smallest_gap(march.dragon, poses)
+        nearest = None if contact else _smallest_gap(march.dragon, poses)
         draw_overlays(layer, self.show, below=True)
         _draw_benches(layer, contact.benches if contact else ())
         below, ring = "", None
@@ -117,7 +117,7 @@ class Scene:
         """Points (P, 2), m, of the curve. The interval always includes the dragon's position at 0 s."""
         march = march_of(self.source)
         first, last = march.span(min(self.times[0], 0.0), max(self.times[1], 0.0))
-        points = min(int((last - first) * self.scale * BLOCK / _CURVE_STEP) + 2, MAX_CURVE_POINTS)
+        points = min(int((last - first) * self.scale * BLOCK / _CURVE_STEP) + 2, _MAX_CURVE_POINTS)
         return march.curve.point(np.linspace(first, last, points))
 
     @cached_property
@@ -141,7 +141,7 @@ class Scene:
         return layer
 
 
-class Nearest(NamedTuple):
+class _Nearest(NamedTuple):
     """Bench closest to the head bench: its number, the distance, m, and the point midway between both, m."""
 
     bench: int
@@ -159,7 +159,7 @@ def hole_diameter(dragon: Dragon) -> float:
     return min(_HOLE_DIAMETER, _MAX_HOLE_FRACTION * float(np.minimum(dragon.widths, 2 * dragon.overhangs).min()))
 
 
-def smallest_gap(dragon: Dragon, poses: Array) -> Nearest | None:
+def _smallest_gap(dragon: Dragon, poses: Array) -> _Nearest | None:
     """Return the bench closest to the head bench at `poses` (N, 3), its neighbour excluded; None if there is none.
 
     The distance is 0 if the benches overlap.
@@ -170,7 +170,7 @@ def smallest_gap(dragon: Dragon, poses: Array) -> Nearest | None:
     found = separation(corners[0], corners[2:])
     nearest = int(np.argmin(found.distance))
     x, y = found.point[nearest].tolist()
-    return Nearest(nearest + 2, max(0.0, float(found.distance[nearest])), (x, y))
+    return _Nearest(nearest + 2, max(0.0, float(found.distance[nearest])), (x, y))
 
 
 def _draw_benches(layer: Layer, touching: tuple[int, ...]) -> None:

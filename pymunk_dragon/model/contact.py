@@ -9,9 +9,9 @@ from typing import Any, Literal, TypeVar, get_args
 import numpy as np
 
 from pymunk_dragon._arguments import finite, numbers, whole, word
-from pymunk_dragon._display import table
 from pymunk_dragon._language import text
 from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.model._display import table
 
 Phase = Literal["begin", "pre_solve", "post_solve", "separate"]
 

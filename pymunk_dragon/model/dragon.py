@@ -14,7 +14,7 @@ from pymunk_dragon._arguments import Array, Complex, as_complex, as_vectors, fin
 from pymunk_dragon.errors import ParameterError
 
 # m: the same for all benches, or one for each.
-Sizes = float | Sequence[float]
+_Sizes = float | Sequence[float]
 
 # Benches of the contest's dragon.
 _BENCHES = 223
@@ -56,9 +56,9 @@ class Dragon:
 
     benches: int = None  # type: ignore[assignment]  # A number after `__post_init__`.
     head_spacing: float = 2.86
-    body_spacing: Sizes = 1.65
-    overhang: Sizes = 0.275
-    width: Sizes = 0.30
+    body_spacing: _Sizes = 1.65
+    overhang: _Sizes = 0.275
+    width: _Sizes = 0.30
 
     def __post_init__(self) -> None:
         # How many more benches there are than a sequence has sizes.
@@ -205,7 +205,7 @@ def _is_sequence(value: object) -> bool:
     return np.ndim(value) == 1 if isinstance(value, np.ndarray) else isinstance(value, list | tuple)
 
 
-def _sizes(name: str, value: Any, count: int) -> Sizes:
+def _sizes(name: str, value: Any, count: int) -> _Sizes:
     """`value` as a float, or as a tuple of `count` floats."""
     if not _is_sequence(value):
         return finite(name, value, *_LENGTHS, "m")

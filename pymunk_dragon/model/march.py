@@ -21,9 +21,9 @@ from pymunk_dragon._arguments import (
     read_only,
     whole,
 )
-from pymunk_dragon._display import Displayed, table
 from pymunk_dragon._language import text
 from pymunk_dragon.errors import ParameterError, UnreachableError
+from pymunk_dragon.model._display import Displayed, table
 from pymunk_dragon.model.chain import ChainMotion
 from pymunk_dragon.model.continuation import Continuation
 from pymunk_dragon.model.curves import Curve, Reversed, Spiral

@@ -18,10 +18,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pymunk_dragon._arguments import MAX_COORDINATE, Array, ArrayRecord, numbers, read_only, word
-from pymunk_dragon._display import Displayed
 from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon._language import text
 from pymunk_dragon.errors import DragonError, FileFormatError, ParameterError
+from pymunk_dragon.model._display import Displayed
 from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog, contact_text, read_contact
 from pymunk_dragon.model.dragon import Dragon, pose_step
 from pymunk_dragon.model.march import March, check_march

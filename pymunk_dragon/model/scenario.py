@@ -126,7 +126,7 @@ class Scenario:
         >>> Scenario.from_dict({"dragon": {"benches": 5}, "curve": {"kind": "u-turn", "ratio": 3}}).values()["radius"]
         4.5
         """
-        flat = flat_values(values)
+        flat = Scenario.flat(values)
         for name, value in {} if files else flat.items():
             if _is_file(value):
                 raise ParameterError(name, value, "something else than the name of another file")
@@ -144,7 +144,7 @@ class Scenario:
             nested = tomllib.loads(content)
         except (ValueError, RecursionError) as error:  # also of thousands of digits, or of nested brackets
             raise FileFormatError(path, f"no TOML file: {error}") from error
-        values = flat_values(nested)
+        values = Scenario.flat(nested)
         files = [name for name in ("curve", "speed") if _is_file(values.get(name))]
         return values | {name: str(Path(path).parent / values[name]) for name in files}
 
@@ -158,7 +158,27 @@ class Scenario:
 
     def values(self) -> dict[str, Any]:
         """The same values by the names of all parameters, without those that the curve does not have."""
-        return flat_values(self.to_dict())
+        return Scenario.flat(self.to_dict())
+
+    @staticmethod
+    def flat(values: Mapping[str, Any]) -> dict[str, Any]:
+        """Values by the names of the parameters of a `Scenario`, from nested tables or from such values."""
+        if not isinstance(values, Mapping):
+            raise ParameterError("scenario", values, "a mapping of names and values")
+        flat = {name: value for name, value in values.items() if name != "dragon"}
+        dragon = values.get("dragon", {})
+        if not isinstance(dragon, Mapping):
+            raise ParameterError("dragon", dragon, "a table with parameters of the dragon")
+        for name, value in dragon.items():
+            if name not in _DRAGON:
+                raise ParameterError(f"dragon.{name}", value, "absent; known are " + ", ".join(_DRAGON))
+        curve = flat.get("curve")
+        if isinstance(curve, Mapping) and set(curve) <= {"kind", *_SHORT}:
+            parameters = dict(curve)
+            kind = parameters.pop("kind", None)
+            if isinstance(kind, str) and not _is_file(kind):
+                return {**dragon, **parameters, **flat, "curve": kind}
+        return {**dragon, **flat}
 
 
 def parameters() -> list[str]:
@@ -171,26 +191,6 @@ def named_curves() -> list[str]:
     """Kinds of curves that a name alone describes, the default first: all their parameters have defaults."""
     named = [kind for kind, cls in Curve.kinds.items() if not any(parameters_of(cls).values())]
     return sorted(named, key=lambda kind: kind != _DEFAULT_CURVE)
-
-
-def flat_values(values: Mapping[str, Any]) -> dict[str, Any]:
-    """Values by the names of the parameters of a `Scenario`, from nested tables or from such values."""
-    if not isinstance(values, Mapping):
-        raise ParameterError("scenario", values, "a mapping of names and values")
-    flat = {name: value for name, value in values.items() if name != "dragon"}
-    dragon = values.get("dragon", {})
-    if not isinstance(dragon, Mapping):
-        raise ParameterError("dragon", dragon, "a table with parameters of the dragon")
-    for name, value in dragon.items():
-        if name not in _DRAGON:
-            raise ParameterError(f"dragon.{name}", value, "absent; known are " + ", ".join(_DRAGON))
-    curve = flat.get("curve")
-    if isinstance(curve, Mapping) and set(curve) <= {"kind", *_SHORT}:
-        parameters = dict(curve)
-        kind = parameters.pop("kind", None)
-        if isinstance(kind, str) and not _is_file(kind):
-            return {**dragon, **parameters, **flat, "curve": kind}
-    return {**dragon, **flat}
 
 
 def _tables(march: March) -> dict[str, Any]:

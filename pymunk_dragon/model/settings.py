@@ -22,8 +22,6 @@ _STRIDE, _ITERATIONS = 1 / 50, 10
 _RESOLVE_STRIDE, _RESOLVE_ITERATIONS = 1 / 200, 60
 # m. Longer substeps skip over a bench; shorter ones than the least take days for a march.
 MAX_STRIDE, _MIN_STRIDE = 0.1, 1e-5
-# Metres that the head travels between recorded frames; between them poses are interpolated to a micrometre.
-FRAME_STRIDE = 0.1
 # Ground drag, per metre marched (per second at 1 m/s). It has to be faster than Pymunk's correction of joint errors,
 # 6.3 per second (its error_bias, 0.9 ** 60): the docstring of `physics` says why.
 _DRAG = 11.5

@@ -151,31 +151,30 @@ class Motion(NamedTuple):
         """Their rates of change by the share."""
         return self.first + 2 * share * self.second
 
+    def refined(self, dragon: Dragon, contact: Contact, begin: float) -> Contact:
+        """A contact that began in a substep which begins at `begin` s, at the time when the benches began to touch.
 
-def refined_contact(dragon: Dragon, contact: Contact, motion: Motion, begin: float) -> Contact:
-    """A contact that began in a substep which begins at `begin` s, at the time when the two benches began to touch.
+        That is the start of the substep if they touched there already, and its end if they touch there by rounding.
+        """
+        pair = list(contact.benches)
+        sizes = dragon.lengths[pair], dragon.widths[pair]
 
-    That is the start of the substep if they touched there already, and its end if they touch there by rounding only.
-    """
-    pair = list(contact.benches)
-    sizes = dragon.lengths[pair], dragon.widths[pair]
+        def separated(share: float) -> Separation:
+            return separation(*outlines(self.poses(share)[pair], *sizes))
 
-    def separated(share: float) -> Separation:
-        return separation(*outlines(motion.poses(share)[pair], *sizes))
-
-    apart, touching, found = 0.0, 1.0, separated(1.0)
-    if (at_begin := separated(0.0)).distance <= 0:
-        touching, found = 0.0, at_begin
-    elif found.distance > 0:
-        return contact
-    for _ in range(_BISECTIONS):
-        middle = (apart + touching) / 2
-        if (halfway := separated(middle)).distance <= 0:
-            touching, found = middle, halfway
-        else:
-            apart = middle
-    (x, y), (u, v) = found.point.tolist(), found.normal.tolist()
-    return replace(contact, time=begin + touching * (contact.raw_time - begin), point=(x, y), normal=(u, v))
+        apart, touching, found = 0.0, 1.0, separated(1.0)
+        if (at_begin := separated(0.0)).distance <= 0:
+            touching, found = 0.0, at_begin
+        elif found.distance > 0:
+            return contact
+        for _ in range(_BISECTIONS):
+            middle = (apart + touching) / 2
+            if (halfway := separated(middle)).distance <= 0:
+                touching, found = middle, halfway
+            else:
+                apart = middle
+        (x, y), (u, v) = found.point.tolist(), found.normal.tolist()
+        return replace(contact, time=begin + touching * (contact.raw_time - begin), point=(x, y), normal=(u, v))
 
 
 def _manifold(contact: pymunk.ContactPointSet, swapped: bool) -> tuple[tuple[_Vector, ...], _Vector, float]:

@@ -10,7 +10,6 @@ import numpy as np
 import pymunk
 
 from pymunk_dragon._arguments import Array, Complex, as_vectors
-from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import States
 
 if TYPE_CHECKING:
@@ -157,17 +156,6 @@ class Rails(PathGuide):
 
 # Guides that have a name, as in `simulate(guide=...)`.
 GUIDES: dict[str, type[PathGuide]] = {"rails": Rails, "none": PathGuide}
-
-
-def guide_name(guide: PathGuide) -> str:
-    """Name under which a guide is registered, otherwise that of its class."""
-    return next((name for name, kind in GUIDES.items() if kind is type(guide)), type(guide).__name__)
-
-
-def check_parts(guide: PathGuide, member: str, value: object, kind: type) -> None:
-    """Raise a ParameterError if `value` of a guide's `member` is no list or tuple of objects of the `kind`."""
-    if not (isinstance(value, list | tuple) and all(isinstance(part, kind) for part in value)):
-        raise ParameterError(f"{type(guide).__name__}.{member}", value, f"a list or tuple of pymunk.{kind.__name__}")
 
 
 def _complex(vectors: Array) -> Complex:

@@ -16,11 +16,13 @@ from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog
 from pymunk_dragon.model.dragon import pose_step
 from pymunk_dragon.model.march import March, States, checked_times
 from pymunk_dragon.model.run import Outcome, Run, position_errors
-from pymunk_dragon.model.settings import FRAME_STRIDE, EngineSettings, engine_provenance
-from pymunk_dragon.physics.callbacks import Motion, Recorder, refined_contact
-from pymunk_dragon.physics.guides import PathGuide, guide_name
+from pymunk_dragon.model.settings import EngineSettings, engine_provenance
+from pymunk_dragon.physics.callbacks import Motion, Recorder
+from pymunk_dragon.physics.guides import GUIDES, PathGuide
 from pymunk_dragon.physics.world import World
 
+# Metres that the head travels between recorded frames; between them poses are interpolated to a micrometre.
+_FRAME_STRIDE = 0.1
 # Where contacts are resolved: the distance from its exact pose at which the head counts as blocked, in widths (1 mm for
 # the contest's benches).
 _HEAD_LAG = 1 / 300
@@ -104,7 +106,7 @@ def simulate(
         first_contact=loop.first_contact,
         outcome=loop.outcome,
         provenance=engine_provenance(
-            world.settings, guide=guide_name(world.guide), start=start, until=until, substeps=loop.substeps
+            world.settings, guide=_guide_name(world.guide), start=start, until=until, substeps=loop.substeps
         ),
         wall_seconds=loop.wall_seconds,
         step_seconds=loop.step_seconds,
@@ -131,7 +133,7 @@ class _Loop:
     def play(self, until: float, progress: Callable[[float, float], None] | None) -> None:
         """Step until `until` s, the end of the curve, or the first contact if it ends the run."""
         world, settings = self._world, self._world.settings
-        interval = settings.frame_interval or FRAME_STRIDE / world.top_speed
+        interval = settings.frame_interval or _FRAME_STRIDE / world.top_speed
         per_frame = max(1, round(interval / world.substep))
         total = max(1, math.ceil((until - world.start) / world.substep - _LAST_SUBSTEP))
         track = _waiting_head(world, total) if settings.contacts == "resolve" else _exact_head(world, total)
@@ -175,7 +177,7 @@ class _Loop:
         world, substep = self._world, times[1] - times[0]
         moved = pose_step(before, world.collided_poses)
         motion = Motion(before, substep * velocities, moved - substep * velocities)
-        begun = [refined_contact(world.march.dragon, contact, motion, times[0]) for contact in self.recorder.begun]
+        begun = [motion.refined(world.march.dragon, contact, times[0]) for contact in self.recorder.begun]
         self.first_contact = min(begun, key=lambda contact: contact.time)
         if world.settings.contacts == "stop":
             share = (self.first_contact.time - times[0]) / substep
@@ -218,3 +220,8 @@ def _waiting_head(world: World, total: int) -> Iterator[tuple[States, int, float
         except UnreachableError:
             return
         yield states, 0, share
+
+
+def _guide_name(guide: PathGuide) -> str:
+    """Name under which a guide is registered, otherwise that of its class."""
+    return next((name for name, kind in GUIDES.items() if kind is type(guide)), type(guide).__name__)

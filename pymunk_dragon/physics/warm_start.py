@@ -20,7 +20,7 @@ _HEAVY = 1e30
 _REGULARISATION = 1e-14
 
 
-def balanced_impulses(joints: _Joints, poses: Array, velocities: Array, inverse_masses: Array) -> list[Array]:
+def _balanced_impulses(joints: _Joints, poses: Array, velocities: Array, inverse_masses: Array) -> list[Array]:
     """Impulses that leave no relative velocity at the joints: x and y of each pivot's, one number for each pin, N s.
 
     `poses` (N, 3) and `velocities` (N, 3) without the joints are in m, m, rad and per s. `inverse_masses` (N, 3) are
@@ -67,13 +67,16 @@ def _pin_row(pose: Array, pin: pymunk.PinJoint) -> Array:
     return np.array([x, y]) / -math.hypot(x, y) @ _anchor_rows(pose, pin.anchor_a)
 
 
-def set_impulses(space: pymunk.Space, substep: float, joints: _Joints, poses: Array, impulses: Sequence[Array]) -> None:
-    """Give impulses to the joints, with which the solver begins the next step of `substep` s with benches at `poses`.
+def set_impulses(
+    space: pymunk.Space, substep: float, joints: _Joints, poses: Array, velocities: Array, inverse_masses: Array
+) -> None:
+    """Give the joints the impulses in balance, with which the solver begins the next step of `substep` s.
 
     Pymunk has no setter for them, so a step is made in which each joint may have the size of its impulse at most, its
     bodies have a velocity of 1 m/s in the impulse's direction, and they are so heavy that no impulse slows them.
     Afterwards the benches have their masses and `poses`, but still these velocities.
     """
+    impulses = _balanced_impulses(joints, poses, velocities, inverse_masses)
     dynamic = [body for body in space.bodies if body.body_type == pymunk.Body.DYNAMIC]
     masses = [(body, body.mass, body.moment) for body in dynamic]
     limits = [(joint, joint.max_force) for joint in space.constraints]

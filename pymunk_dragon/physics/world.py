@@ -17,8 +17,8 @@ from pymunk_dragon._arguments import Array, finite, whole, word
 from pymunk_dragon.errors import ParameterError, UnreachableError
 from pymunk_dragon.model.march import March, States, check_march
 from pymunk_dragon.model.settings import EngineSettings
-from pymunk_dragon.physics.guides import GUIDES, PathGuide, check_parts
-from pymunk_dragon.physics.warm_start import balanced_impulses, set_impulses
+from pymunk_dragon.physics.guides import GUIDES, PathGuide
+from pymunk_dragon.physics.warm_start import set_impulses
 
 # kg per square metre: planks of pine, 4 cm thick. It is the same for all benches, so it only scales impulses.
 _AREA_DENSITY = 20.0
@@ -188,7 +188,7 @@ class World:
             self._add_joints(*self._motors)
         # A step takes time for every body of its space, and anchors need no steps: theirs is never stepped.
         self._anchor_space = pymunk.Space()
-        check_parts(self.guide, "anchors", self.guide.anchors, pymunk.Body)
+        _check_parts(self.guide, "anchors", self.guide.anchors, pymunk.Body)
         self._anchor_space.add(*self.guide.anchors)
 
     def _join(self) -> None:
@@ -201,7 +201,7 @@ class World:
             pivot.collide_bodies = False
             self.pivots.append(pivot)
             self._guiding.append(self.guide.joints(bench, body))
-            check_parts(self.guide, "joints", self._guiding[-1], pymunk.Constraint)
+            _check_parts(self.guide, "joints", self._guiding[-1], pymunk.Constraint)
         if self.settings.contacts == "resolve":
             pairs = zip(self.pivots, self._guiding, strict=True)
             self._add_joints(*chain.from_iterable((pivot, *joints) for pivot, joints in pairs))
@@ -305,8 +305,7 @@ class World:
         free[0], inertia[0] = velocities[0], np.inf
         pins = [[joint for joint in joints if isinstance(joint, pymunk.PinJoint)] for joints in self._guiding]
         pairs = list(zip(self.pivots, pins, strict=True))
-        impulses = balanced_impulses(pairs, poses, free, 1 / inertia)
-        set_impulses(self.space, self.substep, pairs, poses, impulses)
+        set_impulses(self.space, self.substep, pairs, poses, free, 1 / inertia)
         _set_velocities(self.bodies, before)
         self._write(velocities[0])
         iterations, self.space.iterations = self.space.iterations, 2 * len(self.bodies)
@@ -395,3 +394,9 @@ def _set_velocities(bodies: Sequence[pymunk.Body], velocities: Array) -> None:
     for body, (vx, vy, spin) in zip(bodies, velocities.tolist(), strict=True):
         body.velocity = vx, vy
         body.angular_velocity = spin
+
+
+def _check_parts(guide: PathGuide, member: str, value: object, kind: type) -> None:
+    """Raise a ParameterError if `value` of a guide's `member` is no list or tuple of objects of the `kind`."""
+    if not (isinstance(value, list | tuple) and all(isinstance(part, kind) for part in value)):
+        raise ParameterError(f"{type(guide).__name__}.{member}", value, f"a list or tuple of pymunk.{kind.__name__}")

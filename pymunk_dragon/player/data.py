@@ -30,18 +30,18 @@ STEP, _EXACT_STEP, _EXACT_SHARE = 1 / 1_500_000, 1 / 600_000, 1e-5
 # Step of velocities times the frame interval, in steps of positions: both change interpolated positions equally.
 _VELOCITY_STEP = 4
 # Differences between the offsets' lengths and the position errors of a run, m, that come from rounding.
-ROUNDING = 1e-9
+_ROUNDING = 1e-9
 # Order of the differences. The paper's run takes 2.7 MB at order 2, 1.8 MB at order 3 and 1.1 MB at order 4.
-ORDER = 4
+_ORDER = 4
 # Steps from the origin in either direction: the range of 32 bits, less one for rounding.
-MAX_COUNT = 2**31 - 2
+_MAX_COUNT = 2**31 - 2
 # Largest distance of the drawn curve from the true one as a fraction of a bench's width: 0.1 mm at the contest's 0.3 m.
 CURVE_ERROR = 1 / 3000
 # Samples of the curvature, and largest number of points of the curve in a page.
 _CURVE_SAMPLES, MAX_CURVE_POINTS = 4000, 20_000
 
 # Shape and scale of packed vectors as JSON values, and their text.
-Packed = tuple[dict[str, Any], str]
+_Packed = tuple[dict[str, Any], str]
 
 
 def player_data(summary: Summary) -> tuple[dict[str, Any], dict[str, str]]:
@@ -55,7 +55,7 @@ def player_data(summary: Summary) -> tuple[dict[str, Any], dict[str, str]]:
     velocities, velocity_error = _pack_handles(dragon.hole_velocities(run.poses, run.pose_velocities), step)
     # The exact model's near misses do not apply to a dragon without a guide.
     near_misses = () if run.guide == "none" else summary.near_misses or ()
-    packed: dict[str, Packed] = {
+    packed: dict[str, _Packed] = {
         "handles": positions,
         "velocities": velocities,
         "exact": _pack_exact(run, narrowest),
@@ -66,14 +66,14 @@ def player_data(summary: Summary) -> tuple[dict[str, Any], dict[str, str]]:
         "grid": asdict(Grid.of(run.march)),
         "times": run.times.tolist(),
         "near_misses": [asdict(miss) for miss in near_misses if begin <= miss.time <= end],
-        "windows": contact_windows(run),
+        "windows": _contact_windows(run),
         "errors": [position_error, velocity_error],
         "curve_error": CURVE_ERROR * narrowest,
     }
     return payload, dict(zip(packed, (text for _, text in packed.values()), strict=True))
 
 
-def pack(vectors: Array, step: float, *, from_zero: bool = False) -> Packed:
+def pack(vectors: Array, step: float, *, from_zero: bool = False) -> _Packed:
     """Pack `vectors` (F, H, 2) in steps of `step`, or larger ones where they exceed the range of 32 bits.
 
     They are counted from zero, which is then exact, or from the middle of their range. A component is off by at most
@@ -82,26 +82,26 @@ def pack(vectors: Array, step: float, *, from_zero: bool = False) -> Packed:
     low, high = vectors.min(axis=(0, 1)), vectors.max(axis=(0, 1))
     origin = np.zeros(2) if from_zero else (low + high) / 2
     reach = np.maximum(high - origin, origin - low)
-    step = max(step, float(reach.max()) / MAX_COUNT)
+    step = max(step, float(reach.max()) / _MAX_COUNT)
     # By point, coordinate and time, so that the differences of one track are adjacent.
     counts = np.rint((vectors - origin) / step).astype(np.int64).transpose(1, 2, 0)
-    for _ in range(ORDER):
+    for _ in range(_ORDER):
         counts = np.diff(counts, axis=-1, prepend=0)
     wrapped = counts.astype(np.int32).astype(np.int64)
     folded = ((wrapped << 1) ^ (wrapped >> 63)).astype("<u4")
     planes = np.ascontiguousarray(folded).view(np.uint8).reshape(-1, 4).T
     text = b64encode(zlib.compress(planes.tobytes(), 9)).decode("ascii")
     frames, points = vectors.shape[:2]
-    return {"frames": frames, "points": points, "origin": origin.tolist(), "step": step, "order": ORDER}, text
+    return {"frames": frames, "points": points, "origin": origin.tolist(), "step": step, "order": _ORDER}, text
 
 
-def handle_vectors(front: Array, rear: Array) -> Array:
+def _handle_vectors(front: Array, rear: Array) -> Array:
     """Vectors (F, H, 2) of the handles from those of all front and rear holes; their mean where benches share one."""
     shared = (rear[:, :-1] + front[:, 1:]) / 2
     return np.concatenate([front[:, :1], shared, rear[:, -1:]], axis=1)
 
 
-def contact_windows(run: Run) -> list[dict[str, Any]]:
+def _contact_windows(run: Run) -> list[dict[str, Any]]:
     """Contact windows of pairs by beginning; without an `end` if the benches still touch when the run ends.
 
     The log begins a window at the end of a substep. The window of the first contact begins at the contact's time, and
@@ -135,7 +135,7 @@ def curve_points(march: March, start: float, end: float) -> Array:
     return curve.point(np.interp(np.linspace(0.0, passed[-1], count), passed, s))
 
 
-def exact_offsets(run: Run) -> Array | None:
+def _exact_offsets(run: Run) -> Array | None:
     """Vectors (K, H, 2) in m from the handles to the exact model's, in the first K frames, where the model has a state.
 
     None in a run of the exact model, and if the run's position errors are unknown or refer to other times, as after a
@@ -149,22 +149,22 @@ def exact_offsets(run: Run) -> Array | None:
     except UnreachableError:
         return None
     dragon, poses = run.march.dragon, run.poses[:known]
-    same = np.allclose(position_errors(dragon, poses, exact), run.drift[:known], rtol=1e-6, atol=ROUNDING)
-    return exact - handle_vectors(*dragon.holes(poses)) if same and known else None
+    same = np.allclose(position_errors(dragon, poses, exact), run.drift[:known], rtol=1e-6, atol=_ROUNDING)
+    return exact - _handle_vectors(*dragon.holes(poses)) if same and known else None
 
 
-def _pack_exact(run: Run, narrowest: float) -> Packed:
+def _pack_exact(run: Run, narrowest: float) -> _Packed:
     """Packed offsets of the exact model's handles; nothing, and an empty text, if they are unknown."""
-    if (offsets := exact_offsets(run)) is None:
+    if (offsets := _exact_offsets(run)) is None:
         return {}, ""
     step = max(_EXACT_STEP * narrowest, _EXACT_SHARE * float(np.abs(offsets).max()))
     return pack(offsets, step, from_zero=True)
 
 
-def _pack_handles(holes: tuple[Array, Array], step: float) -> tuple[Packed, float]:
+def _pack_handles(holes: tuple[Array, Array], step: float) -> tuple[_Packed, float]:
     """Packed vectors of the handles, and their largest distance from the vectors of the holes."""
     front, rear = holes
-    shared = handle_vectors(front, rear)
+    shared = _handle_vectors(front, rear)
     packed = pack(shared, step)
     openings = np.stack([shared[:, :-1] - front, shared[:, 1:] - rear])
     return packed, float(np.linalg.norm(openings, axis=-1).max() + packed[0]["step"] / np.sqrt(2))

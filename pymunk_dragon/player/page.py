@@ -9,23 +9,21 @@ from itertools import chain
 from pathlib import Path
 
 from pymunk_dragon._files import check_destination, written_in_place
-from pymunk_dragon._html import asset, embedded_json, policy, substituted
 from pymunk_dragon._language import in_language, language
 from pymunk_dragon.drawing.palette import COLOURS, Palette
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.player.data import player_data
+from pymunk_dragon.reports._html import asset, embedded_json, policy, substituted
 from pymunk_dragon.reports.document import headline, provenance, subtitle
 from pymunk_dragon.reports.summary import Summary, summarize
 
 PLAYER_ENDINGS = (".html",)
 # Parts of the script; each uses only those before it.
-SCRIPTS = (
+_SCRIPTS = (
     *("common", "texts", "decode", "geometry", "pane", "motion", "exact", "view", "format", "marks", "paint"),
     *("picture", "timeline", "link", "pointer", "stage", "player", "controls", "main"),
 )
-# Parts of the page that the page of a live session has too.
-PARTS = ("zoom", "help_tools", "help")
 # Counterparts of the films' colours on a dark ground: bright benches with dark outlines have the same contrast there.
 DARK = Palette(
     background="#171b22",
@@ -105,7 +103,7 @@ def player_page(run: Run, *, title: str | None = None) -> str:
     page, _ = document(
         asset(__package__, "assets/player.html"),
         asset(__package__, "assets/layout.css"),
-        "".join(asset(__package__, f"assets/{name}.js") for name in SCRIPTS),
+        "".join(asset(__package__, f"assets/{name}.js") for name in _SCRIPTS),
         language=language(),
         title=escape(heading),
         subtitle=escape(english[1]),
@@ -123,7 +121,7 @@ def document(body: str, style: str, script: str, connections: str = "", **values
     style = colour_variables() + asset(__package__, "assets/player.css") + style
     rules = policy(style, script) + connections
     head, tail = (asset(__package__, f"assets/{name}.html") for name in ("head", "tail"))
-    values |= {name: asset(__package__, f"assets/{name}.html") for name in PARTS}
+    values |= {name: asset(__package__, f"assets/{name}.html") for name in ("zoom", "help_tools", "help")}
     return substituted(head + body + tail, policy=escape(rules), style=style, script=script, **values), rules
 
 

@@ -16,11 +16,11 @@ one. `make report` makes [such a report](renders/report.html).
 """
 
 from pymunk_dragon.reports.contest_tables import paper_tables, write_contact_table, write_tables
-from pymunk_dragon.reports.formats import REPORT_ENDINGS, report
+from pymunk_dragon.reports.formats import FORMATS, report
 from pymunk_dragon.reports.summary import Summary, summarize
 
 __all__ = [
-    "REPORT_ENDINGS",
+    "FORMATS",
     "Summary",
     "paper_tables",
     "report",

@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pymunk_dragon._arguments import Array
-from pymunk_dragon._display import table, width
 from pymunk_dragon._extras import library
 from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon._language import text
 from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.model._display import table, width
 from pymunk_dragon.model.march import March
 
 # s: times of the paper's tables 1 and 2.

@@ -12,31 +12,31 @@ from pymunk_dragon.model.contact import Contact, ContactEvent, ContactWindow, co
 from pymunk_dragon.reports.summary import VERSION, Summary, json_values
 
 # Text of a missing value.
-MISSING = "\u2013"
+_MISSING = "\u2013"
 # Rows of a table: more would not be read, and 1000 rows already are half a megabyte of HTML.
-MAX_ROWS = 1000
+_MAX_ROWS = 1000
 # Names of curves in sentences; others appear under the name of their class.
-CURVES = {"Spiral": "spiral", "UTurn": "U-turn", "Sampled": "smooth path", "Composite": "path of several pieces"}
-CURVES |= {"Line": "straight line", "Arc": "circular arc"}
+_CURVES = {"Spiral": "spiral", "UTurn": "U-turn", "Sampled": "smooth path", "Composite": "path of several pieces"}
+_CURVES |= {"Line": "straight line", "Arc": "circular arc"}
 # The sizes of a curve in sentences, and the players.
-SIZES = {"pitch": ", pitch {size} m", "radius": ", in a circle of {size} m", "length": " of {size} m"}
-PLAYERS = {"pymunk": "played by Pymunk", "exact": "played by the exact model", None: "of an unknown player"}
+_SIZES = {"pitch": ", pitch {size} m", "radius": ", in a circle of {size} m", "length": " of {size} m"}
+_PLAYERS = {"pymunk": "played by Pymunk", "exact": "played by the exact model", None: "of an unknown player"}
 # Units of parameters and settings, where they have one.
-UNITS = dict.fromkeys(("head_spacing", "body_spacing", "overhang", "width", "pitch", "radius", "length"), " m")
-UNITS |= dict.fromkeys(("start", "until", "substep", "frame_interval"), " s")
-UNITS |= {"start_s": " m", "drag": " 1/m", "head_force": " N"}
+_UNITS = dict.fromkeys(("head_spacing", "body_spacing", "overhang", "width", "pitch", "radius", "length"), " m")
+_UNITS |= dict.fromkeys(("start", "until", "substep", "frame_interval"), " s")
+_UNITS |= {"start_s": " m", "drag": " 1/m", "head_force": " N"}
 
-Row = Sequence[str]
-Entry = TypeVar("Entry")
+_Row = Sequence[str]
+_Entry = TypeVar("_Entry")
 # Headings of a table's columns, and the text of an entry in each.
-Cells = Mapping[str, Callable[[Entry], str]]
+_Cells = Mapping[str, Callable[[_Entry], str]]
 
 
 class Table(NamedTuple):
     """A table of text, by default of names and values. Columns in `left` are aligned to the left."""
 
-    rows: Sequence[Row]
-    heads: Row = ("", "")
+    rows: Sequence[_Row]
+    heads: _Row = ("", "")
     left: Sequence[int] = (0, 1)
     note: str = ""
 
@@ -70,36 +70,36 @@ def subtitle(summary: Summary) -> str:
     """Dragon, speed, curve and player of the run in one line."""
     scenario, player = summary.scenario, json_values(summary.run.player)
     kind = scenario["curve"]
-    curve = text(CURVES.get(kind, kind.lower()))
-    for name, template in SIZES.items():
+    curve = text(_CURVES.get(kind, kind.lower()))
+    for name, template in _SIZES.items():
         if scenario.get(name) is not None:
             curve += text(template).format(size=f"{scenario[name]:g}")
     return text("A dragon of {benches} benches at {speed} on a {curve}, {player}").format(
         benches=scenario["benches"],
         speed=_speed(scenario["speed"]),
         curve=curve,
-        player=text(PLAYERS.get(player, "played by {player}")).format(player=player),
+        player=text(_PLAYERS.get(player, "played by {player}")).format(player=player),
     )
 
 
 def sections(summary: Summary) -> list[Section]:
     """Sections of a report, in order."""
-    near_misses: Cells[NearMiss] = {
+    near_misses: _Cells[NearMiss] = {
         text("time (s)"): lambda miss: _number(miss.time, 4),
-        text("benches"): lambda miss: pair(miss.benches),
+        text("benches"): lambda miss: _pair(miss.benches),
         text("gap (mm)"): lambda miss: _number(miss.gap, 3, scale=1e3),
     }
-    windows: Cells[ContactWindow] = {
-        text("benches"): lambda window: pair(window.benches),
+    windows: _Cells[ContactWindow] = {
+        text("benches"): lambda window: _pair(window.benches),
         text("from (s)"): lambda window: _number(window.begin, 4),
         text("to (s)"): lambda window: _number(window.end, 4),
         text("for (s)"): lambda window: _number(None if window.end is None else window.end - window.begin, 4),
     }
-    events: Cells[ContactEvent] = {
+    events: _Cells[ContactEvent] = {
         text("time (s)"): lambda event: _number(event.time, 4),
         text("phase"): lambda event: event.phase,
-        text("benches"): lambda event: pair(event.benches),
-        text("points (m)"): lambda event: " ".join(_vector(point, 3) for point in event.points) or MISSING,
+        text("benches"): lambda event: _pair(event.benches),
+        text("points (m)"): lambda event: " ".join(_vector(point, 3) for point in event.points) or _MISSING,
         text("normal"): lambda event: _vector(event.normal, 3),
         text("depth (mm)"): lambda event: _number(event.depth, 3, scale=1e3),
         text("relative velocity (m/s)"): lambda event: _vector(event.relative_velocity, 3),
@@ -126,14 +126,14 @@ def provenance(summary: Summary) -> Section:
     versions = json_values(summary.run.versions) | {text("report format"): VERSION}
     groups = {text("Scenario"): scenario, text("Settings"): summary.settings, text("Versions"): versions}
     tables = {
-        title: Table([(name, _value(value) + UNITS.get(name, "")) for name, value in group.items()])
+        title: Table([(name, _value(value) + _UNITS.get(name, "")) for name, value in group.items()])
         for title, group in groups.items()
         if group
     }
     return Section("provenance", text("Provenance"), "", tables)
 
 
-def pair(benches: Sequence[int]) -> str:
+def _pair(benches: Sequence[int]) -> str:
     """Two benches as `0 and 8`."""
     return text("{i} and {j}").format(i=benches[0], j=benches[1])
 
@@ -168,7 +168,7 @@ def _contact(contact: Contact | None) -> dict[str, Table]:
     if contact is None:
         return {}
     rows = [
-        (text("Benches that touch"), pair(contact.benches)),
+        (text("Benches that touch"), _pair(contact.benches)),
         (text("Time"), _number(contact.time, 6, " s")),
         (text("Point"), f"{_vector(contact.point, 6)} m"),
         (text("Normal, from the first to the second"), _vector(contact.normal, 6)),
@@ -179,22 +179,22 @@ def _contact(contact: Contact | None) -> dict[str, Table]:
     return {"": Table(rows if contact.depth else rows[:4])}
 
 
-def _table(entries: Sequence[Entry], cells: Cells[Entry], left: Sequence[int]) -> dict[str, Table]:
-    """Table with a row for each entry, up to `MAX_ROWS`, and a column for each of `cells`."""
-    rows, note = [[cell(entry) for cell in cells.values()] for entry in entries[:MAX_ROWS]], ""
-    if len(entries) > MAX_ROWS:
+def _table(entries: Sequence[_Entry], cells: _Cells[_Entry], left: Sequence[int]) -> dict[str, Table]:
+    """Table with a row for each entry, up to `_MAX_ROWS`, and a column for each of `cells`."""
+    rows, note = [[cell(entry) for cell in cells.values()] for entry in entries[:_MAX_ROWS]], ""
+    if len(entries) > _MAX_ROWS:
         template = text("These are the first {shown} of {count} rows; all are in the JSON report.")
-        note = template.format(shown=MAX_ROWS, count=len(entries))
+        note = template.format(shown=_MAX_ROWS, count=len(entries))
     return {"": Table(rows, [*cells], left, note)}
 
 
-def _drift(summary: Summary) -> list[Row]:
+def _drift(summary: Summary) -> list[_Row]:
     """Largest position errors with bench and time."""
     if summary.run.player == "exact":
         return []
     drift = summary.drift
     first = text("Largest of the first {count} benches").format(count=drift["head_benches"])
-    rows: list[Row] = []
+    rows: list[_Row] = []
     for label, name in ((first, "head"), (text("Largest of any bench"), "max")):
         value, peak = _size(drift[name]), drift[f"{name}_at"]
         if peak is not None:
@@ -208,7 +208,7 @@ def _value(value: Any) -> str:
     """A JSON value as text; numbers have all their digits."""
     if isinstance(value, list):
         return str(value)[1:-1]
-    shown = MISSING if value is None else str(value)
+    shown = _MISSING if value is None else str(value)
     return shown.removesuffix(".0") if isinstance(value, float) else shown
 
 
@@ -223,7 +223,7 @@ def _speed(speed: float | list[list[float]]) -> str:
 def _number(value: float | None, decimals: int, unit: str = "", *, scale: float = 1.0) -> str:
     """`value * scale` with `decimals` digits after the decimal point, never `-0`, and the unit."""
     if value is None or not math.isfinite(value):
-        return MISSING
+        return _MISSING
     # Adding 0 turns the -0.0 of a rounded tiny number into 0.0.
     return f"{round(value * scale, decimals) + 0.0:.{decimals}f}{unit}"
 
@@ -235,4 +235,4 @@ def _size(value: float) -> str:
 
 def _vector(value: Sequence[float] | None, decimals: int) -> str:
     """A point or a direction as `(x, y)`."""
-    return MISSING if value is None else "(" + ", ".join(_number(part, decimals) for part in value) + ")"
+    return _MISSING if value is None else "(" + ", ".join(_number(part, decimals) for part in value) + ")"

@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 
 from pymunk_dragon._files import check_destination, written_in_place
-from pymunk_dragon._html import data_address, filled
 from pymunk_dragon._language import language, text
 from pymunk_dragon.drawing import Camera, Film, still_png
 from pymunk_dragon.drawing.figures import figure
@@ -22,6 +21,7 @@ from pymunk_dragon.drawing.figures.style import styled
 from pymunk_dragon.errors import MissingExtraError, ParameterError
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.reports import document
+from pymunk_dragon.reports._html import data_address, filled
 from pymunk_dragon.reports.summary import Summary, summarize
 
 # Characters with a meaning in Markdown, embedded HTML or GitHub's dialect.
@@ -59,7 +59,7 @@ def report(run: Run, path: str | Path) -> None:
     >>> run = simulate(March(Dragon(benches=16)), start=411, contacts="report", until=412.6)
     >>> report(run, "report.html")
     """
-    destination = check_destination(path, REPORT_ENDINGS)
+    destination = check_destination(path, FORMATS)
     content = FORMATS[destination.suffix.lower()](summarize(run))
     with written_in_place(destination) as draft:
         # Bytes, since text mode would convert line ends, and CSV requires CR LF.
@@ -81,7 +81,7 @@ def _csv_text(summary: Summary) -> str:
     return content.getvalue()
 
 
-def markdown(summary: Summary) -> str:
+def _markdown(summary: Summary) -> str:
     """Report as Markdown with GitHub's tables."""
     parts = [f"# {_escaped(document.headline(summary))}", _escaped(document.subtitle(summary) + text("."))]
     for section in document.sections(summary):
@@ -91,7 +91,7 @@ def markdown(summary: Summary) -> str:
     return "\n\n".join(filter(None, parts)) + "\n"
 
 
-def html(summary: Summary) -> str:
+def _html(summary: Summary) -> str:
     """Report as one HTML document without network access or scripts; all values are escaped."""
     pictures = [(caption, data_address(png, "image/png")) for caption, png in _stills(summary.run)]
     shown = {"document": document, "summary": summary, "pictures": pictures, "chart": _chart(summary.run)}
@@ -102,10 +102,9 @@ def html(summary: Summary) -> str:
 FORMATS: dict[str, Callable[[Summary], str]] = {
     ".json": lambda summary: json.dumps(summary.to_dict(), allow_nan=False) + "\n",
     ".csv": _csv_text,
-    ".md": markdown,
-    ".html": html,
+    ".md": _markdown,
+    ".html": _html,
 }
-REPORT_ENDINGS = tuple(FORMATS)
 
 
 def _csv_row(what: str, entry: Mapping[str, Any]) -> list[Any]:

@@ -6,8 +6,8 @@ from functools import cache
 from html import escape
 
 from pymunk_dragon import player
-from pymunk_dragon._html import asset, embedded_json
 from pymunk_dragon.player.page import catalogue, document
+from pymunk_dragon.reports._html import asset, embedded_json
 
 # Parts of the script: those of the player, and those of this page; each uses only those before it.
 _PLAYER_SCRIPTS = ("common", "texts", "geometry", "pane", "view", "format", "marks", "paint", "pointer", "stage")

@@ -10,9 +10,9 @@ from anywidget import AnyWidget
 from IPython.display import display
 from traitlets import Unicode
 
-from pymunk_dragon._html import asset, data_address
 from pymunk_dragon._language import language
 from pymunk_dragon.drawing.debug_draw import still
+from pymunk_dragon.reports._html import asset, data_address
 from pymunk_dragon.sessions.page import live_page
 from pymunk_dragon.sessions.session import Session
 

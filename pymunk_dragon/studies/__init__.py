@@ -58,8 +58,8 @@ The contest's own sheets are written by `positions --times 0:300:1 -o result1.xl
 
 ## A study of your own
 
-A study is a module with a function, its result, and an entry `STUDY`. The result's class has the text, the JSON
-values and, if there is one, the figure; the command line takes the flags from `STUDIES`.
+A study is a module with a function and its result, and a `Study` in `STUDIES`, from which the command line takes the
+flags. The result's class has the text, the JSON values and, if there is one, the figure.
 """
 
 from __future__ import annotations
@@ -67,13 +67,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from pymunk_dragon.studies._study import Result, Study
-from pymunk_dragon.studies.max_speed import STUDY as MAX_SPEED
 from pymunk_dragon.studies.max_speed import MaxSpeed, max_speed
-from pymunk_dragon.studies.min_pitch import STUDY as MIN_PITCH
 from pymunk_dragon.studies.min_pitch import MinPitch, min_pitch
-from pymunk_dragon.studies.sensitivity import STUDY as SENSITIVITY
 from pymunk_dragon.studies.sensitivity import Sensitivity, sensitivity
-from pymunk_dragon.studies.u_turn import STUDY as U_TURN
 from pymunk_dragon.studies.u_turn import TurnResult, u_turn
 
 __all__ = [
@@ -90,5 +86,27 @@ __all__ = [
     "u_turn",
 ]
 
+_STUDIES = (
+    Study(name="min-pitch", summary="smallest pitch at which the head reaches the circle (question 3)", run=min_pitch),
+    Study(
+        name="max-speed",
+        summary="largest speed of the head in the U-turn (question 5)",
+        run=max_speed,
+        flags={"limit": ("M/S", "no handle shall be faster, m/s.  [2]")},
+    ),
+    Study(
+        name="sensitivity",
+        summary="effect of each size of the benches on first contact and that pitch",
+        run=sensitivity,
+        formats=(".json",),
+    ),
+    Study(
+        name="u-turn",
+        summary="turn inside the circle, and the shortest one found (question 4)",
+        run=u_turn,
+        flags={"search": (None, "search for a shorter turn on five arcs.  [search]")},
+        formats=(".json", ".png", ".svg", ".pdf", ".xlsx"),
+    ),
+)
 # All studies by name.
-STUDIES: Mapping[str, Study] = {study.name: study for study in (MIN_PITCH, MAX_SPEED, SENSITIVITY, U_TURN)}
+STUDIES: Mapping[str, Study] = {study.name: study for study in _STUDIES}

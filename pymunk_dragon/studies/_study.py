@@ -9,8 +9,8 @@ from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pymunk_dragon._display import Printed, width
 from pymunk_dragon.errors import DragonError, ParameterError
+from pymunk_dragon.model._display import Printed, width
 from pymunk_dragon.model.dragon import Dragon
 
 if TYPE_CHECKING:

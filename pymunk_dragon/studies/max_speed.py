@@ -35,7 +35,7 @@ from pymunk_dragon.model.curves import UTurn
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.speed import MAX_SPEED, MIN_SPEED
-from pymunk_dragon.studies._study import Progress, Result, Study, labelled, silent
+from pymunk_dragon.studies._study import Progress, Result, labelled, silent
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -354,11 +354,3 @@ def _product(one: Array, other: Array) -> Array:
 def _quotient(one: Array, other: Array) -> Array:
     """Quotient by an interval above 0."""
     return _product(one, 1 / other[::-1])
-
-
-STUDY = Study(
-    name="max-speed",
-    summary="largest speed of the head in the U-turn (question 5)",
-    run=max_speed,
-    flags={"limit": ("M/S", "no handle shall be faster, m/s.  [2]")},
-)

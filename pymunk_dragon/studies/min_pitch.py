@@ -23,7 +23,7 @@ from pymunk_dragon.model.curves import Spiral
 from pymunk_dragon.model.curves.spiral import MAX_PITCH
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
-from pymunk_dragon.studies._study import Progress, Result, Study, labelled, silent
+from pymunk_dragon.studies._study import Progress, Result, labelled, silent
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -277,8 +277,3 @@ def _zero(wider: _Inward, free: _Inward, benches: tuple[int, int]) -> float:
     """The pitch at which the gap of two benches is zero, m, by its values at two pitches; nan if these are equal."""
     gap, before = free.gap(benches)[0], wider.gap(benches)[0]
     return free.pitch - gap * (wider.pitch - free.pitch) / (before - gap or math.nan)
-
-
-STUDY = Study(
-    name="min-pitch", summary="smallest pitch at which the head reaches the circle (question 3)", run=min_pitch
-)

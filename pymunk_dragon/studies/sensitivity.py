@@ -12,21 +12,21 @@ from typing import Any
 
 import numpy as np
 
-from pymunk_dragon._display import table
 from pymunk_dragon._language import text
 from pymunk_dragon.collision import FirstContact, first_contact
 from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.model._display import table
 from pymunk_dragon.model.curves import Spiral
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
-from pymunk_dragon.studies._study import Progress, Result, Study, silent
+from pymunk_dragon.studies._study import Progress, Result, silent
 from pymunk_dragon.studies.min_pitch import RADIUS, MinPitch, min_pitch
 
 # Sizes of the benches by which both answers are differentiated.
-SIZES = ("width", "overhang", "head_spacing", "body_spacing")
+_SIZES = ("width", "overhang", "head_spacing", "body_spacing")
 # m. Step of the differences: the rounding of the answers over the step, and the step's square times a third derivative,
 # are below the last digit printed.
-STEP = 1e-5
+_STEP = 1e-5
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -38,7 +38,7 @@ class Sensitivity(Result):
     contact, smallest : FirstContact, MinPitch
         The first contact and the smallest pitch.
     times, pitches : dict
-        Derivatives of the first contact's time, s per m, by each of the `SIZES`, and of the smallest pitch,
+        Derivatives of the first contact's time, s per m, by each of the `_SIZES`, and of the smallest pitch,
         m per m; None where other benches touch, or none, within a hundredth of a millimetre. Where the benches
         differ, all change by the same amount.
     """
@@ -107,15 +107,11 @@ def sensitivity(
     if contact.status != "contact":
         raise ParameterError("pitch", pitch, "one at which the dragon runs into itself")
     times, pitches = dict[str, float | None](), dict[str, float | None]()
-    for done, name in enumerate(SIZES, 1):
-        (contact_before, before), (contact_after, after) = answers(name, -STEP), answers(name, STEP)
+    for done, name in enumerate(_SIZES, 1):
+        (contact_before, before), (contact_after, after) = answers(name, -_STEP), answers(name, _STEP)
         same = contact_before.benches == contact_after.benches == contact.benches
-        times[name] = (contact_after.time - contact_before.time) / (2 * STEP) if same else None
+        times[name] = (contact_after.time - contact_before.time) / (2 * _STEP) if same else None
         same = before.benches == after.benches == smallest.benches
-        pitches[name] = (after.pitch - before.pitch) / (2 * STEP) if same else None
-        progress(done, len(SIZES))
+        pitches[name] = (after.pitch - before.pitch) / (2 * _STEP) if same else None
+        progress(done, len(_SIZES))
     return Sensitivity(contact=contact, smallest=smallest, times=times, pitches=pitches)
-
-
-_SUMMARY = "effect of each size of the benches on first contact and that pitch"
-STUDY = Study(name="sensitivity", summary=_SUMMARY, run=sensitivity, formats=(".json",))

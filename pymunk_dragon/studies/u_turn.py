@@ -35,7 +35,7 @@ from pymunk_dragon.model import chain
 from pymunk_dragon.model.curves import Arc, Composite, UTurn
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
-from pymunk_dragon.studies._study import Progress, Result, Study, labelled, silent
+from pymunk_dragon.studies._study import Progress, Result, labelled, silent
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -370,12 +370,3 @@ class _Search:
                 break
         progress(1, 1)
         return x
-
-
-STUDY = Study(
-    name="u-turn",
-    summary="turn inside the circle, and the shortest one found (question 4)",
-    run=u_turn,
-    flags={"search": (None, "search for a shorter turn on five arcs.  [search]")},
-    formats=(".json", ".png", ".svg", ".pdf", ".xlsx"),
-)

@@ -28,7 +28,7 @@ from pymunk_dragon._extras import library
 from pymunk_dragon._signals import ENDING, signals_held
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.model.march import March
-from pymunk_dragon.model.scenario import Scenario, flat_values
+from pymunk_dragon.model.scenario import Scenario
 from pymunk_dragon.sweeps.quantities import Outcome, Quantity, Values, evaluate, quantity_of
 from pymunk_dragon.sweeps.table import Axes, Partial, Sweep, check_format
 
@@ -138,7 +138,7 @@ def _axis(name: str, values: Sequence[float]) -> tuple[float, ...]:
 def _given(scenario: Scenario | March | Mapping[str, Any] | None, axes: Axes) -> dict[str, Any]:
     """Values of parameters of a scenario in any form."""
     known = Scenario.of(scenario) if isinstance(scenario, March) else scenario or {}
-    values = known.values() if isinstance(known, Scenario) else flat_values(known)
+    values = known.values() if isinstance(known, Scenario) else Scenario.flat(known)
     if "start_s" in axes:
         values.pop("turns", None)
     return values

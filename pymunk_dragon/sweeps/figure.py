@@ -22,10 +22,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 # Colours of small to large values: ink is readable on all of them but the last.
-VALUES = ("#fde18b", "#aacd90", "#63ad99", "#2a879d", "#355b92")
+_VALUES = ("#fde18b", "#aacd90", "#63ad99", "#2a879d", "#355b92")
 # Units by the last words of names.
-UNITS = dict.fromkeys(("pitch", "width", "overhang", "spacing", "radius", "gap", "drift"), "m")
-UNITS |= {"speed": "m/s", "time": "s", "error": "s", "start": "s", "until": "s", "substep": "s"}
+_UNITS = dict.fromkeys(("pitch", "width", "overhang", "spacing", "radius", "gap", "drift"), "m")
+_UNITS |= {"speed": "m/s", "time": "s", "error": "s", "start": "s", "until": "s", "substep": "s"}
 # Share of the points above which the benches that touch there are named.
 _NAMED = 0.03
 
@@ -93,7 +93,7 @@ def _draw_map(axes: Axes, x: Array, y: Array, values: Array, labels: Sequence[st
     cells, names = np.full((len(up), len(across)), np.nan), np.full((len(up), len(across)), "", dtype=object)
     cells[row, column], names[row, column] = values, labels
     sides, heights = _edges(across), _edges(up)
-    colours = LinearSegmentedColormap.from_list("sweep", list(VALUES))
+    colours = LinearSegmentedColormap.from_list("sweep", list(_VALUES))
     mesh = axes.pcolormesh(sides, heights, cells, cmap=colours, rasterized=True, gid="values")
     i, j = np.nonzero(names[:, 1:] != names[:, :-1])
     axes.vlines(sides[j + 1], heights[i], heights[i + 1], color=COLOURS.ink, lw=0.9, gid="jumps")
@@ -123,6 +123,6 @@ def _label(cells: Sequence[Any]) -> str:
 
 def _words(name: str, *, unit: bool = False) -> str:
     """The name of an axis or a column in words, with its unit if it has one."""
-    known = "m" if name == "start_s" else UNITS.get(name.rpartition("_")[2])
+    known = "m" if name == "start_s" else _UNITS.get(name.rpartition("_")[2])
     words = name.removesuffix("_s").replace("_", " ")
     return text("{}, {}").format(text(words), known) if unit and known else text(words)

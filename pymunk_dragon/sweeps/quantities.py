@@ -14,17 +14,16 @@ from pymunk_dragon.collision import first_contact
 from pymunk_dragon.errors import DragonError, ParameterError, one_line
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.scenario import Scenario, parameters
-from pymunk_dragon.studies import max_speed as largest_speed
-from pymunk_dragon.studies import min_pitch as smallest_pitch
+from pymunk_dragon.studies import max_speed, min_pitch
 
 Values = Mapping[str, Any]
 # Values of one point by name, or None and the reason.
 Outcome = tuple[Values | None, str | None]
 
 # Parameters of a scenario that are numbers.
-SCENARIO = [name for name in parameters() if name not in ("curve", "outward", "points")]
+_SCENARIO = [name for name in parameters() if name not in ("curve", "outward", "points")]
 # Characters of an error message in a table.
-MAX_MESSAGE = 300
+_MAX_MESSAGE = 300
 
 
 class Quantity:
@@ -39,7 +38,7 @@ class Quantity:
         self.function = function
         self.summary = (getdoc(function) or name).partition("\n")[0].rstrip(".")
         self.own = [each.name for each in signature(function).parameters.values() if each.kind is each.KEYWORD_ONLY]
-        self.parameters = [*SCENARIO, *self.own]
+        self.parameters = [*_SCENARIO, *self.own]
 
     def base(self, values: Values) -> dict[str, Any]:
         """Complete and plain values of parameters; a `ParameterError` if one is out of range or no parameter."""
@@ -78,7 +77,7 @@ def evaluate(name: str, base: Values, point: Values) -> Outcome:
         return {_column(key, point): _plain(key, value) for key, value in found.items()}, None
     except BaseException as error:
         reason = str(error) if isinstance(error, DragonError) else f"{type(error).__name__}: {error}"
-        return None, one_line(reason)[:MAX_MESSAGE]
+        return None, one_line(reason)[:_MAX_MESSAGE]
 
 
 def _column(name: object, axes: Values) -> str:
@@ -110,21 +109,21 @@ def contact_time(march: March, *, start: float = 0.0, until: float | None = None
     return {"contact_time": time, **_benches(hit.benches), "status": hit.status}
 
 
-def min_pitch(march: March, *, turns: float = 16.0, speed: float = 1.0, radius: float = 4.5) -> Values:
+def _min_pitch(march: March, *, turns: float = 16.0, speed: float = 1.0, radius: float = 4.5) -> Values:
     """Smallest pitch at which the head reaches the circle."""
-    found = smallest_pitch(march.dragon, turns=turns, speed=speed, radius=radius)
+    found = min_pitch(march.dragon, turns=turns, speed=speed, radius=radius)
     return {"min_pitch": found.pitch, **_benches(found.benches)}
 
 
-def max_speed(
+def _max_speed(
     march: March, *, limit: float = 2.0, pitch: float = 1.7, radius: float = 4.5, ratio: float = 2.0
 ) -> Values:
     """Largest speed of the head in the U-turn."""
-    found = largest_speed(march.dragon, limit=limit, pitch=pitch, radius=radius, ratio=ratio)
+    found = max_speed(march.dragon, limit=limit, pitch=pitch, radius=radius, ratio=ratio)
     return {"max_speed": found.speed, "handle": found.handle, "speed_ratio": found.ratio}
 
 
 # All quantities with a name of their own. Their values are in SI units.
 _FUNCTIONS: Mapping[str, Callable[..., Values]]
-_FUNCTIONS = {"contact-time": contact_time, "min-pitch": min_pitch, "max-speed": max_speed}
+_FUNCTIONS = {"contact-time": contact_time, "min-pitch": _min_pitch, "max-speed": _max_speed}
 QUANTITIES = {name: Quantity(name, function) for name, function in _FUNCTIONS.items()}

@@ -21,8 +21,7 @@ forces in the joints of a run of the engine. The grid (figure 6) and the gap bef
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -32,7 +31,7 @@ from PIL import Image
 from pymunk_dragon._arguments import word
 from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon.drawing import STILL_ENDINGS, render
-from pymunk_dragon.drawing.figures import charts
+from pymunk_dragon.drawing.figures.charts import FIGURES, Kind
 from pymunk_dragon.drawing.figures.style import Subject, styled
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.dragon import Dragon
@@ -47,32 +46,6 @@ __all__ = ["FIGURES", "figure", "styled_figure", "write_figure", "write_styled"]
 # File endings of figures with axes, and metadata that leave out the date, for the same bytes each time.
 _METADATA: dict[str, dict[str, Any]] = {".png": {}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
 _FIGURE_ENDINGS = tuple(_METADATA)
-
-
-@dataclass(frozen=True)
-class Kind:
-    """What a figure shows, the function that makes it or the run and film parameters of a picture, and formats."""
-
-    shows: str
-    draw: Callable[[Subject], Any]
-    benches: int = 223
-    endings: tuple[str, ...] = _FIGURE_ENDINGS
-
-
-# All figures by name. 16 benches are the paper's small model, which closes a full loop before its first contact.
-FIGURES: Mapping[str, Kind] = {
-    "spiral": Kind("the spiral that handle 0 walks (the paper's figure 2)", charts.spiral),
-    "outer-loop": Kind("16 benches on the outer loop (figure 3)", charts.outer_loop, 16, STILL_ENDINGS),
-    "inward": Kind("16 benches as they close a full loop (figure 4)", charts.inward, 16, STILL_ENDINGS),
-    "collision": Kind("16 benches at their first contact (figure 5)", charts.collision, 16, STILL_ENDINGS),
-    "grid": Kind("which benches are filed in which cells (figure 6)", charts.grid, 16),
-    "trajectories": Kind("the trajectories of seven handles (figure 7)", charts.trajectories),
-    "velocities": Kind("the velocities of seven handles (figure 8)", charts.velocities),
-    "gap": Kind("how near the head comes to the benches that it passes", charts.gap),
-    "speeds": Kind("speed along the dragon at several times", charts.speeds),
-    "drift": Kind("how far the engine is from the exact model", charts.drift),
-    "impulses": Kind("what the engine's joints carry along the dragon", charts.impulses),
-}
 
 
 def figure(name: str, source: Run | March | None = None) -> Figure:
@@ -106,7 +79,7 @@ def figure(name: str, source: Run | March | None = None) -> Figure:
     'handle, from the head to the tail'
     """
     kind = FIGURES[word("figure", name, FIGURES)]
-    if kind.endings == STILL_ENDINGS:
+    if kind.still:
         raise ParameterError("figure", name, "one with axes, or written by `write_figure`")
     return styled_figure(lambda: kind.draw(_subject(kind, source)))
 
@@ -129,8 +102,8 @@ def write_figure(name: str, path: str | Path, source: Run | March | None = None)
     >>> write_figure("spiral", "spiral.svg")
     """
     kind = FIGURES[word("figure", name, FIGURES)]
-    destination = check_destination(path, kind.endings)
-    if kind.endings == STILL_ENDINGS:
+    destination = check_destination(path, STILL_ENDINGS if kind.still else _FIGURE_ENDINGS)
+    if kind.still:
         run, film = kind.draw(_subject(kind, source))
         render(run, destination, film)
     else:

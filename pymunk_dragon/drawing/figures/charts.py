@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,7 +26,17 @@ _MIN_GAP = 1.5e-4
 _GAP_LENGTHS = 4.5
 
 
-def spiral(subject: style.Subject) -> Figure:
+@dataclass(frozen=True)
+class Kind:
+    """What a figure shows, its function, the number of benches, and whether it is a `still`, of a run and a film."""
+
+    shows: str
+    draw: Callable[[style.Subject], Any]
+    benches: int = 223
+    still: bool = False
+
+
+def _spiral(subject: style.Subject) -> Figure:
     """Draw the spiral that handle 0 follows (the paper's figure 2)."""
     march, end = subject.march, subject.hit.time
     curve, start = march.curve, march.head_start
@@ -51,7 +62,7 @@ def spiral(subject: style.Subject) -> Figure:
     return figure
 
 
-def trajectories(subject: style.Subject) -> Figure:
+def _trajectories(subject: style.Subject) -> Figure:
     """Draw the trajectories of the paper's seven handles until the first contact (its figure 7)."""
     handles, ink = subject.march.dragon.representatives, style.COLOURS.ink
     first, last = subject.march.handles_s([subject.begin, subject.hit.time])
@@ -75,7 +86,7 @@ def trajectories(subject: style.Subject) -> Figure:
     return figure
 
 
-def velocities(subject: style.Subject) -> Figure:
+def _velocities(subject: style.Subject) -> Figure:
     """Draw the velocities of the paper's seven handles at the first contact (its figure 8)."""
     time, handles = subject.last_regular_time, subject.march.dragon.representatives
     states = subject.march.at(time)
@@ -97,7 +108,7 @@ def velocities(subject: style.Subject) -> Figure:
     return figure
 
 
-def grid(subject: style.Subject) -> Figure:
+def _grid(subject: style.Subject) -> Figure:
     """Draw the grid partition at the first contact, and the benches in its cells (the paper's figure 6)."""
     from matplotlib.colors import ListedColormap
     from matplotlib.patches import Patch
@@ -138,12 +149,12 @@ def grid(subject: style.Subject) -> Figure:
     return figure
 
 
-def outer_loop(subject: style.Subject) -> tuple[Run, Film]:
+def _outer_loop(subject: style.Subject) -> tuple[Run, Film]:
     """Return the run and the film parameters of the picture of the dragon at its start."""
     return _still(subject, subject.begin, text("{} benches at the start"))
 
 
-def inward(subject: style.Subject) -> tuple[Run, Film]:
+def _inward(subject: style.Subject) -> tuple[Run, Film]:
     """Return the same as it closes a full loop: its path turns by 2 pi between tail and head."""
     times = np.linspace(subject.begin, subject.hit.time, 2001)
     tangents = subject.march.curve.tangent(subject.march.handles_s(times))
@@ -153,7 +164,7 @@ def inward(subject: style.Subject) -> tuple[Run, Film]:
     return _still(subject, float(times[closed.argmax() or 1000]), text("{} benches on the path"))
 
 
-def collision(subject: style.Subject) -> tuple[Run, Film]:
+def _collision(subject: style.Subject) -> tuple[Run, Film]:
     """Return the same at the first contact."""
     hit = subject.hit
     if hit.contact is None:
@@ -169,7 +180,7 @@ def _still(subject: style.Subject, time: float, title: str) -> tuple[Run, Film]:
     return Run.exact(subject.march, [time]), film
 
 
-def gap(subject: style.Subject) -> Figure:
+def _gap(subject: style.Subject) -> Figure:
     """Draw the gap between the head and the benches that it passes at last, on a logarithmic scale."""
     march, hit = subject.march, subject.hit
     if march.dragon.benches < 3:
@@ -202,7 +213,7 @@ def gap(subject: style.Subject) -> Figure:
     return figure
 
 
-def speeds(subject: style.Subject) -> Figure:
+def _speeds(subject: style.Subject) -> Figure:
     """Draw the speed along the dragon at several times."""
     times = _several_times(subject.begin, subject.last_regular_time)
     values = subject.march.at(times).speeds
@@ -212,7 +223,7 @@ def speeds(subject: style.Subject) -> Figure:
     return figure
 
 
-def drift(subject: style.Subject) -> Figure:
+def _drift(subject: style.Subject) -> Figure:
     """Draw the engine's position error against the exact model over time."""
     from matplotlib.ticker import EngFormatter
 
@@ -241,7 +252,7 @@ def drift(subject: style.Subject) -> Figure:
     return figure
 
 
-def impulses(subject: style.Subject) -> Figure:
+def _impulses(subject: style.Subject) -> Figure:
     """Draw the force in every joint at several times: the impulse in a substep over the substep."""
     run = subject.run
     if run is None or run.joint_impulses is None or run.substep is None:
@@ -280,3 +291,19 @@ def _bundle(axes: Axes, values: Array, times: Array, gid: str, along: str) -> No
     axes.locator_params(axis="x", integer=True)
     axes.grid(axis="y", color=style.RULE, lw=0.6)
     axes.legend(**style.BESIDE)
+
+
+# All figures by name. 16 benches are the paper's small model, which closes a full loop before its first contact.
+FIGURES: Mapping[str, Kind] = {
+    "spiral": Kind("the spiral that handle 0 walks (the paper's figure 2)", _spiral),
+    "outer-loop": Kind("16 benches on the outer loop (figure 3)", _outer_loop, 16, still=True),
+    "inward": Kind("16 benches as they close a full loop (figure 4)", _inward, 16, still=True),
+    "collision": Kind("16 benches at their first contact (figure 5)", _collision, 16, still=True),
+    "grid": Kind("which benches are filed in which cells (figure 6)", _grid, 16),
+    "trajectories": Kind("the trajectories of seven handles (figure 7)", _trajectories),
+    "velocities": Kind("the velocities of seven handles (figure 8)", _velocities),
+    "gap": Kind("how near the head comes to the benches that it passes", _gap),
+    "speeds": Kind("speed along the dragon at several times", _speeds),
+    "drift": Kind("how far the engine is from the exact model", _drift),
+    "impulses": Kind("what the engine's joints carry along the dragon", _impulses),
+}

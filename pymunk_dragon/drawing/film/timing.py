@@ -50,7 +50,7 @@ class Timing:
 
 
 @dataclass(frozen=True)
-class Event:
+class _Event:
     """A near miss or a contact: simulated time, s, duration of film that it adds, s, and its width, s."""
 
     time: float
@@ -70,7 +70,7 @@ def slowed(sources: Sequence[Source], window: tuple[float, float], advance: floa
     spacings = [float(march.dragon.spacings[-max(1, march.dragon.benches - 1) :].min()) for march in marches]
     fastest = [march.speed_profile.fastest(start, until) for march in marches]
     rate = fps * advance * min(spacing / speed for spacing, speed in zip(spacings, fastest, strict=True))
-    events = events_of(sources, window)
+    events = _events_of(sources, window)
     if late:
         times, film = _film_times(window, rate, events)
         start = float(np.interp(film[-1] - _CHOSEN_LENGTH, film, times))
@@ -85,7 +85,7 @@ def slowed(sources: Sequence[Source], window: tuple[float, float], advance: floa
     return shown
 
 
-def _film_times(window: tuple[float, float], rate: float, events: Sequence[Event]) -> tuple[Array, Array]:
+def _film_times(window: tuple[float, float], rate: float, events: Sequence[_Event]) -> tuple[Array, Array]:
     """Simulated times (P,), s, and the times in the film at which they are shown, from 0 s on."""
     times = np.linspace(*window, _POINTS)
     film = (times - times[0]) / rate
@@ -94,20 +94,20 @@ def _film_times(window: tuple[float, float], rate: float, events: Sequence[Event
     return times, film - film[0]
 
 
-def events_of(sources: Sequence[Source], window: tuple[float, float]) -> list[Event]:
+def _events_of(sources: Sequence[Source], window: tuple[float, float]) -> list[_Event]:
     """Near misses and first contacts of `sources` within a window (first and last time, s).
 
     Events of two sources that are closer than half a width are one.
     """
     found = [event for source in sources for event in _events(source, *window)]
-    events: list[Event] = []
+    events: list[_Event] = []
     for event in sorted(found, key=lambda event: (-event.added, event.time)):
         if all(abs(event.time - other.time) > event.width / 2 for other in events):
             events.append(event)
     return sorted(events, key=lambda event: event.time)
 
 
-def _events(source: Source, start: float, until: float) -> list[Event]:
+def _events(source: Source, start: float, until: float) -> list[_Event]:
     """Near misses and first contact of one source between two times, s. A run that is not guided has no near misses."""
     march, exact, contact = march_of(source), None, None
     if isinstance(source, Run):
@@ -121,4 +121,4 @@ def _events(source: Source, start: float, until: float) -> list[Event]:
         times[contact.time] = _CONTACT_TIME
     # The time in which the head travels `_EVENT_WIDTH` spacings.
     width = _EVENT_WIDTH * float(march.dragon.spacings.min())
-    return [Event(time, added, width / float(march.speed_profile.at(time))) for time, added in times.items()]
+    return [_Event(time, added, width / float(march.speed_profile.at(time))) for time, added in times.items()]

@@ -9,13 +9,13 @@ from typing import Any
 
 from pymunk_dragon._extras import library
 from pymunk_dragon._files import check_destination, written_in_place
-from pymunk_dragon._html import asset, data_address, filled, policy
 from pymunk_dragon._language import LANGUAGES, in_language, text
 from pymunk_dragon.lessons._framework.lesson import Lesson, blocks
 from pymunk_dragon.lessons._framework.markup import html
 from pymunk_dragon.lessons._framework.notebook import make_notebook
 from pymunk_dragon.lessons._framework.recording import Recording, record
 from pymunk_dragon.player.page import colour_variables
+from pymunk_dragon.reports._html import asset, data_address, filled, policy
 
 PAGE, NOTEBOOK, PROGRAM = ".html", ".ipynb", ".py"
 ASSETS = "lessons/_framework/assets"

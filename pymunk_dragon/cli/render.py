@@ -1,4 +1,4 @@
-"""`pymunk-dragon render`, `figure` and `report`: what is made from a run."""
+"""`pymunk-dragon render`."""
 
 from __future__ import annotations
 
@@ -10,23 +10,20 @@ import click
 
 from pymunk_dragon._files import check_destination
 from pymunk_dragon.cli import common
+from pymunk_dragon.collision import first_contact
 from pymunk_dragon.drawing import FILM_ENDINGS, OVERLAYS, STILL_ENDINGS, Camera, Film
 from pymunk_dragon.drawing import render as render_film
-from pymunk_dragon.drawing.figures import FIGURES, write_figure
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.player import PLAYER_ENDINGS, write_player
-from pymunk_dragon.reports import REPORT_ENDINGS
-from pymunk_dragon.reports import report as write_report
 
 # Options that only films have, and those that only films and pictures have.
 _OF_FILMS = ("start", "speedup", "fps", "hold")
 _OF_PICTURES = ("exact", "size", "follow", "span", "caption", "legend", *OVERLAYS)
-EXAMPLES = ("run.npz", "run.npz --exact --camera head -o both.mp4", "--until 60 -o march.gif")
-FORMATS = f"a film, {', '.join(FILM_ENDINGS)}; .png, a picture at --until; or .html, a page that plays the run"
+_FORMATS = f"a film, {', '.join(FILM_ENDINGS)}; .png, a picture at --until; or .html, a page that plays the run"
 
 
-def pixels(given: str) -> int | tuple[int, ...]:
+def _pixels(given: str) -> int | tuple[int, ...]:
     """One length, or two with an x between them; `Film` checks them."""
     try:
         width, *height = map(int, given.lower().split("x"))
@@ -35,14 +32,7 @@ def pixels(given: str) -> int | tuple[int, ...]:
     return (width, *height) if height else width
 
 
-def _overlay_options(function: common.F) -> common.F:
-    """Add a flag for each overlay to a command."""
-    for name, overlay in reversed(list(OVERLAYS.items())):
-        click.option(f"--{name}", is_flag=True, help=overlay.shows)(function)
-    return function
-
-
-@click.command(cls=common.DragonCommand, examples=EXAMPLES)
+@common.command("run.npz", "run.npz --exact --camera head -o both.mp4", "--until 60 -o march.gif")
 @click.argument("run_files", metavar="[RUN.npz]...", nargs=-1, type=click.Path())
 @common.scenario_options
 @click.option("--exact", is_flag=True, help="Show the exact model beside the run.")
@@ -50,17 +40,15 @@ def _overlay_options(function: common.F) -> common.F:
 @click.option("--until", type=float, metavar="T", help="Last time, s.  [the run's, or a march's first contact]")
 @click.option("--speedup", type=float, metavar="X", help="Simulated s in 1 s of film.  [slower towards contacts]")
 @click.option("--fps", type=int, metavar="N", help="Frames in a second, at most 60, and 50 in a GIF.  [20]")
-@click.option("--size", type=pixels, metavar="PIXELS", help="Width and height: 440, or 640x360.  [440]")
-@click.option(
-    "--camera", "follow", type=click.Choice(["field", "head"]), default="field", help="What is in view.  [field]"
-)
+@click.option("--size", type=_pixels, metavar="PIXELS", help="Width and height: 440, or 640x360.  [440]")
+@click.option("--camera", "follow", type=click.Choice(["field", "head"]), default="field", help="The view.  [field]")
 @click.option("--span", type=float, metavar="M", help="Width of the ground in view, m.")
 @click.option("--hold", type=float, metavar="T", help="How long the last frame stays, s.  [2.5]")
-@_overlay_options
+@common.options(*(click.option(f"--{name}", is_flag=True, help=each.shows) for name, each in OVERLAYS.items()))
 @click.option("--title", metavar="TEXT", help="A line above the picture.")
 @click.option("--caption", metavar="TEXT", help="Lines below the picture.")
 @click.option("--legend/--no-legend", default=None, help="Legend and scale bar below the picture.  [shown]")
-@common.output_option(FORMATS, "RUN.gif")
+@common.output_option(_FORMATS, "RUN.gif")
 def render(run_files: tuple[str, ...], output: str | None, exact: bool, **choices: Any) -> None:
     """Film a run, several side by side, or an exact march.
 
@@ -110,8 +98,6 @@ def _sources(run_files: tuple[str, ...], exact: bool) -> list[Run | March]:
 
 def _end(march: March, start: float) -> float:
     """Default last time of a march, s: the first contact on a curve with an end, or 60 s after the start."""
-    from pymunk_dragon.collision import first_contact
-
     if start < march.end < math.inf:
         found = first_contact(march, start=start)
         if found.status == "contact":
@@ -123,36 +109,3 @@ def _refuse(what: str, *names: str) -> None:
     """Raise a usage error if an option was given that `what` does not have."""
     for flag in common.flags_given(*names):
         raise click.UsageError(f"{what} has no {flag}: leave it out, or write a film")
-
-
-@click.command(cls=common.DragonCommand, examples=("", "gap --pitch 0.5", "drift run.npz -o drift.pdf"))
-@click.argument("name", metavar="[FIGURE]", required=False, type=click.Choice(list(FIGURES)))
-@click.argument("run_file", metavar="[RUN.npz]", required=False, type=click.Path())
-@common.scenario_options
-@common.output_option(".png, or .svg or .pdf where the figure has axes", "NAME.png")
-def figure(name: str | None, run_file: str | None, output: str | None) -> None:
-    """Draw one of the paper's figures, or one beyond it.
-
-    Without a name, list them. Drift and impulses are drawn from a run of the engine, the others from a run's march or
-    from the options.
-    """
-    if name is None:
-        return common.listing("figures", {known: kind.shows for known, kind in FIGURES.items()})
-    source: Any = None
-    if run_file is not None:
-        source = common.run_of(run_file)
-    elif common.file_values() or common.chosen():
-        source = common.march()
-    path = Path(output or f"{name}.png")
-    write_figure(name, path, source)
-    return common.answer_with_file(path)
-
-
-@click.command(cls=common.DragonCommand, examples=("run.npz", "run.npz -o run.md"))
-@click.argument("run_file", metavar="RUN.npz", type=click.Path())
-@common.output_option(", ".join(REPORT_ENDINGS), "RUN.html")
-def report(run_file: str, output: str | None) -> None:
-    """Report on a run, as a document or a table."""
-    destination = check_destination(output or f"{Path(run_file).stem}.html", REPORT_ENDINGS)
-    write_report(Run.load(run_file), destination)
-    common.answer_with_file(destination)

@@ -1,0 +1,64 @@
+"""`pymunk-dragon contact`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from pymunk_dragon.cli import common
+from pymunk_dragon.collision import first_contact, scan
+from pymunk_dragon.errors import DragonError
+from pymunk_dragon.model.march import March
+
+
+@common.command("", "--pitch 0.5 --json", "--from 400 --method engine")
+@common.scenario_options
+@click.option("--method", type=click.Choice(["exact", "grid", "engine"]), default="exact", help="Search.  [exact]")
+@common.start_option
+@common.until_option
+@click.option("--step", type=float, metavar="T", help="Of the grid: s between samples.  [1]")
+@common.output_option(".json, or .xlsx for the contest's sheet of that moment")
+def contact(method: str, output: str | None, **choices: Any) -> None:
+    """When benches that are not neighbours first touch, and where.
+
+    The exact method certifies that no benches touched before, however briefly. The grid is the method of the paper:
+    samples at equal time steps, and bisection. The engine is Pymunk.
+    """
+    settings = {name: value for name, value in choices.items() if value is not None}
+    if "step" in settings and method != "grid":
+        raise click.UsageError("--step is of the grid: add --method grid")
+    march = common.march()
+    path = common.destination_of(output, (".json", ".xlsx"))
+    values, shown = (_played if method == "engine" else _found)(march, method, **settings)
+    result = {"status": values["status"], "method": method} | values
+    common.save(path, result, lambda path: _write_sheet(path, march, result))
+    common.answer(result, shown)
+
+
+def _found(march: March, method: str, *, start: float, **settings: Any) -> tuple[dict[str, Any], str]:
+    """Values and text of the result of the exact search or the grid."""
+    search = first_contact if method == "exact" else scan
+    with common.progress("contact", start) as show:
+        found = search(march, start=start, progress=show, **settings)
+    return found.to_dict(), str(found)
+
+
+def _played(march: March, method: str, **interval: Any) -> tuple[dict[str, Any], str]:
+    """The same of the engine, which reports contacts only, not gaps."""
+    from pymunk_dragon.cli.simulate import played
+
+    run = played(march, **interval)
+    touch = {name: getattr(run.first_contact, name, None) for name in ("time", "benches", "point", "normal")}
+    values = {"status": run.outcome, **touch, "near_misses": None, "until": float(run.times[-1]), "resolution": None}
+    return values | {"samples": run.substeps, "tests": None}, str(run).partition("\n")[0]
+
+
+def _write_sheet(path: Path, march: March, result: dict[str, Any]) -> None:
+    """Write the contest's sheet of the moment of the contact."""
+    from pymunk_dragon.reports import write_contact_table
+
+    if result["time"] is None:
+        raise DragonError(f"no contact until t = {result['until']:.6g} s, so {path} was not written")
+    write_contact_table(march, result["time"], path)

@@ -1,0 +1,34 @@
+"""`pymunk-dragon figure`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from pymunk_dragon.cli import common
+from pymunk_dragon.drawing.figures import FIGURES, write_figure
+
+
+@common.command("", "gap --pitch 0.5", "drift run.npz -o drift.pdf")
+@click.argument("name", metavar="[FIGURE]", required=False, type=click.Choice(list(FIGURES)))
+@click.argument("run_file", metavar="[RUN.npz]", required=False, type=click.Path())
+@common.scenario_options
+@common.output_option(".png, or .svg or .pdf where the figure has axes", "NAME.png")
+def figure(name: str | None, run_file: str | None, output: str | None) -> None:
+    """Draw one of the paper's figures, or one beyond it.
+
+    Without a name, list them. Drift and impulses are drawn from a run of the engine, the others from a run's march or
+    from the options.
+    """
+    if name is None:
+        return common.listing("figures", {known: kind.shows for known, kind in FIGURES.items()})
+    source: Any = None
+    if run_file is not None:
+        source = common.run_of(run_file)
+    elif common.file_values() or common.chosen():
+        source = common.march()
+    path = Path(output or f"{name}.png")
+    write_figure(name, path, source)
+    return common.answer_with_file(path)

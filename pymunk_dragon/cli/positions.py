@@ -1,0 +1,77 @@
+"""`pymunk-dragon positions`."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterable, Sequence
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+import click
+
+from pymunk_dragon._files import written_in_place
+from pymunk_dragon.cli import common
+from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.model.march import March
+
+# The times of the paper's tables.
+_TABLE_TIMES = "0:300:60"
+# Positions in one table: more fill the memory, and are probably a typing error.
+_MAX_TABLE = 20_000_000
+
+
+@common.command("", "--times 0,60,120 --handles 0,1,223", "--times 0:300:1 -o result1.xlsx")
+@common.scenario_options
+@click.option("--times", metavar="LIST", default=_TABLE_TIMES, help=f"Times, s: 0,60,120 or 0:300:1.  [{_TABLE_TIMES}]")
+@click.option("--handles", metavar="LIST", help="Handles.  [those of the paper's tables]")
+@click.option("--paper", is_flag=True, help="Print the paper's tables 1 to 3 instead, cut as the paper cuts them.")
+@common.output_option(".csv, .json, or .xlsx for the contest's sheets with all handles")
+def positions(times: str, handles: str | None, paper: bool, output: str | None) -> None:
+    """Where the handles are and how fast, exactly."""
+    march = common.march()
+    if not paper:
+        _answer(march, times, handles, output)
+    elif common.flags_given("times", "handles", "json", "output"):
+        raise click.UsageError("--paper prints all of its tables: leave out --times, --handles, --json and -o")
+    else:
+        from pymunk_dragon.collision import first_contact
+        from pymunk_dragon.reports import paper_tables
+
+        # On a curve without end there is no last time for the search.
+        hit = first_contact(march).contact if isfinite(march.end) else None
+        click.echo(paper_tables(march, None if hit is None else hit.time))
+
+
+def _answer(march: March, times: str, handles: str | None, output: str | None) -> None:
+    """Print or write states of handles."""
+    selected = march.dragon.representatives if handles is None else _handles(handles, march.dragon.handles - 1)
+    at = common.number_list("times", times)
+    if len(at) * march.dragon.handles > _MAX_TABLE:
+        raise ParameterError("times", times, f"at most {_MAX_TABLE // march.dragon.handles} for this dragon")
+    path = common.destination_of(output, (".csv", ".json", ".xlsx"))
+    if handles is not None and path is not None and path.suffix.lower() == ".xlsx":
+        raise click.UsageError("the contest's sheets have all handles: leave out --handles, or write .csv or .json")
+    states = march.at(at)
+    result = states.to_dict(selected)
+    common.save(path, result, lambda path: _write(path, march, at, states.rows(selected)))
+    if path is None or common.wants_json():
+        common.answer(result, states.text(selected))
+
+
+def _write(path: Path, march: March, times: list[float], rows: Iterable[Sequence[Any]]) -> None:
+    """Write the contest's sheets, or a table as CSV."""
+    if path.suffix.lower() == ".xlsx":
+        from pymunk_dragon.reports import write_tables
+
+        write_tables(march, times, path)
+    else:
+        with written_in_place(path) as draft, draft.open("w", newline="", encoding="utf-8") as file:
+            csv.writer(file).writerows([("time_s", "handle", "x_m", "y_m", "speed_m_s"), *rows])
+
+
+def _handles(given: str, last: int) -> list[int]:
+    numbers = common.number_list("handles", given)
+    if not all(number.is_integer() and 0 <= number <= last for number in numbers):
+        raise ParameterError("handles", given, f"whole numbers from 0 to {last}")
+    return [int(number) for number in numbers]

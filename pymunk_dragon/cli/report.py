@@ -1,0 +1,22 @@
+"""`pymunk-dragon report`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from pymunk_dragon import reports
+from pymunk_dragon._files import check_destination
+from pymunk_dragon.cli import common
+from pymunk_dragon.model.run import Run
+
+
+@common.command("run.npz", "run.npz -o run.md")
+@click.argument("run_file", metavar="RUN.npz", type=click.Path())
+@common.output_option(", ".join(reports.FORMATS), "RUN.html")
+def report(run_file: str, output: str | None) -> None:
+    """Report on a run, as a document or a table."""
+    destination = check_destination(output or f"{Path(run_file).stem}.html", reports.FORMATS)
+    reports.report(Run.load(run_file), destination)
+    common.answer_with_file(destination)
