@@ -5,28 +5,26 @@ from __future__ import annotations
 from functools import cache
 from html import escape
 
-from pymunk_dragon import player
 from pymunk_dragon.player.page import catalogue, document
 from pymunk_dragon.reports._html import asset, embedded_json
 
 # Parts of the script: those of the player, and those of this page; each uses only those before it.
-_PLAYER_SCRIPTS = ("common", "texts", "geometry", "pane", "view", "format", "marks", "paint", "pointer", "stage")
-_SCRIPTS = (
-    *("connection", "model", "force_scale", "shapes", "overlays", "live_paint", "parameters", "live_charts"),
-    *("tools", "recorder", "live_show", "live", "live_controls"),
-)
+_SCRIPTS = {
+    "pymunk_dragon.player": "common texts geometry pane view format marks paint pointer stage",
+    __package__: "connection model force_scale shapes overlays live_paint parameters live_charts "
+    "tools recorder live_show live live_controls",
+}
 
 
 @cache
 def live_page(title: str, language: str) -> tuple[str, str]:
     """The page, which opens in a language, and its content security policy."""
-    scripts = [(player.__name__, name) for name in _PLAYER_SCRIPTS] + [(__package__, name) for name in _SCRIPTS]
     return document(
         asset(__package__, "assets/live.html"),
         asset(__package__, "assets/live.css"),
-        "".join(asset(package, f"assets/{name}.js") for package, name in scripts),
+        "".join(asset(package, f"assets/{name}.js") for package, names in _SCRIPTS.items() for name in names.split()),
         "; connect-src 'self'",
         language=language,
         title=escape(title),
-        texts=embedded_json({"zh": catalogue(player.__name__, __package__)}),
+        texts=embedded_json({"zh": catalogue(*_SCRIPTS)}),
     )

@@ -312,8 +312,7 @@ class Session:
     def _take(self, message: dict[str, Any], answer: Callable[[Any], object]) -> None:
         with self._watched(answer):
             if message["do"] in INPUTS and (self._replay is not None or len(self.inputs) >= MAX_INPUTS):
-                bound = f"sent after a replay, and one of at most {MAX_INPUTS} inputs until a reset"
-                raise ParameterError("message", message["do"], bound)
+                raise ParameterError("message", message["do"], f"sent after a replay, and one of {MAX_INPUTS} inputs")
             if message["do"] in ("scene", "reset") and self.scene.play.step is None:
                 raise ParameterError("message", message["do"], "another one: this program builds its space itself")
             match message:
