@@ -163,8 +163,6 @@ class Session:
         own |= {"kind": "state", "clients": len(self.clients), "replaying": self._replay is not None}
         return own | dict(without_nan(self.scene.state()))
 
-    # ---- replays
-
     def play_again(self, log: Log) -> None:
         """Build the scene of a log, and carry out its inputs before the steps at which they came; before `start`."""
         self._build(self.source, log.values)
@@ -195,7 +193,7 @@ class Session:
             with suppress(TimeoutError):
                 return self._replayed.result(_PATIENCE)
 
-    # ---- time
+    # ---- in the thread that makes the steps
 
     def _run(self, steps: float = math.inf) -> None:
         """Take messages, and make frames, and so many steps when they are due."""
@@ -259,8 +257,6 @@ class Session:
                 self._failure = [failure]
                 self.tell(failure)
 
-    # ---- what clients get
-
     def _show(self, now: float) -> None:
         """Send clients the state if it changed, and a frame with the rate of the last second and values for charts."""
         # At even intervals, but none is made up for.
@@ -306,8 +302,6 @@ class Session:
         session = {"kind": "scene", "role": "control", "generation": self.generation, "scenes": scenes}
         self._description = without_nan(session | about | self.scene.to_dict())
         self.tell(self._description)
-
-    # ---- messages
 
     def _take(self, message: dict[str, Any], answer: Callable[[Any], object]) -> None:
         with self._watched(answer):
