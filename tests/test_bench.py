@@ -3,25 +3,15 @@
 import re
 import subprocess
 import sys
+from importlib.util import find_spec
 
 import bench
 import bench_live
-import numpy as np
 import pytest
 from browser import needs_browser
 from documents import DOCUMENTS, ROOT
-from PIL import Image
-
-from pymunk_dragon import Dragon, March, Run, write_player
 
 NAMES = {"bench.py": bench.BENCHMARKS, "bench_live.py": bench_live.BENCHMARKS}
-
-
-def run_script(script, *arguments):
-    command = [sys.executable, str(ROOT / "tests" / "bench" / script), *map(str, arguments)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
-    assert (done.returncode, done.stderr) == (0, "")
-    return done.stdout
 
 
 @pytest.mark.thorough
@@ -31,19 +21,12 @@ def run_script(script, *arguments):
     + [pytest.param("bench_live.py", name, marks=needs_browser) for name in bench_live.BENCHMARKS],
 )
 def test_benchmark_runs_at_a_small_size(script, name):
-    _, output = run_script(script, name, "--small").split("\n", 2)[1:]
-    assert re.search(r"\d", output)
-
-
-@pytest.mark.thorough
-@needs_browser
-def test_screenshot_shows_a_page(tmp_path):
-    page, picture = tmp_path / "run.html", tmp_path / "run.png"
-    write_player(Run.exact(March(Dragon(benches=8)), np.arange(10.0)), page)
-    run_script("screenshot.py", page, "#t=4", picture)
-    with Image.open(picture) as shown:
-        assert shown.size == (1200, 750)
-        assert len(shown.convert("RGB").getcolors(maxcolors=2**24)) > 10
+    if name == "time-of-impact" and find_spec("Box2D") is None:
+        pytest.skip("Box2D is not for this Python")
+    command = [sys.executable, str(ROOT / "tests" / "bench" / script), name, "--small"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert re.search(r"\d", done.stdout.split("\n", 2)[2])
 
 
 def test_texts_name_only_benchmarks_that_exist():

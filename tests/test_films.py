@@ -17,9 +17,9 @@ from pymunk_dragon.drawing import FILM_ENDINGS, lettering, still_png
 from pymunk_dragon.drawing.film.formats import WRITERS, Frames
 from pymunk_dragon.drawing.film.layout import Canvas
 from pymunk_dragon.drawing.film.timing import _events_of
-from pymunk_dragon.drawing.overlay import _impulses, _touches, _velocities
+from pymunk_dragon.drawing.marks import _impulses, _touches, _velocities
 from pymunk_dragon.drawing.palette import BLOCK, COLOURS, colour_table
-from pymunk_dragon.drawing.sources import states
+from pymunk_dragon.drawing.snapshots import states
 from pymunk_dragon.errors import DragonError
 
 MARCH = March(Dragon(benches=16), turns=4)
@@ -317,9 +317,9 @@ def test_legend_and_scale_bar_are_below_the_picture(texts):
     with_legend, without = still(MARCH, 1.0, film), still(MARCH, 1.0, replace(film, legend=False))
     assert without.shape == still(MARCH, 1.0, Film(size=480, legend=False)).shape == (480, 480, 3)
     np.testing.assert_array_equal(with_legend[:480], without)
-    assert all(count(with_legend[480:], name) > 50 for name in ("head", "body", "tail"))
-    assert {"head", "body", "tail", "1 m", "head 1.00 m/s"} <= set(texts)
-    assert not {"in contact", "turning circle"} & set(texts)
+    assert [count(with_legend[480:], name) > 50 for name in ("head", "body", "tail")] == [True, True, False]
+    assert {"head", "body", "1 m", "head 1.00 m/s"} <= set(texts)
+    assert not {"in contact", "tail"} & set(texts)  # neither is in view
     # The longest horizontal line of the strip, with its ends, is as long as it says.
     strip = np.all(with_legend[480:] == np.rint(COLOURS.rgb("ink")), axis=-1)
     longest = max(len(run) for row in strip for run in "".join(" x"[int(pixel)] for pixel in row).split())

@@ -27,6 +27,16 @@ SIZES = ("head_spacing", "body_spacing", "overhang", "width")
 TIGHT = March(Dragon(benches=30), Spiral(pitch=0.31), turns=8)
 
 
+@pytest.mark.thorough
+@pytest.mark.parametrize(("width", "benches"), [(0.3, (0, 8)), (0.301, (0, 11))])
+def test_ipc_toolkit_finds_the_same_first_contact(width, benches):
+    judge, march = pytest.importorskip("outside_judge", reason="needs ipctk"), March(Dragon(width=width))
+    (cleared, closest), found = judge.cleared_by_ipc_toolkit(march, 400.0, 413.0), first_contact(march)
+    assert found.benches == closest == benches
+    # It clears all but its last steps; the certified time itself is accurate to 1e-11 s.
+    assert -1e-11 < found.time - cleared < 1e-9
+
+
 @pytest.fixture(scope="module")
 def seed_impact(seed_march):
     return first_contact(seed_march)

@@ -33,7 +33,7 @@ SUPERSCRIPTS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
 
 def stage_page(stage: str = "", language: str = "en") -> str:
     """A page with all scripts of the stages, and with one stage that is open."""
-    shared = [LESSONS.parent / f"player/assets/{name}.js" for name in ("common", "geometry", "pane")]
+    shared = [LESSONS.parent / f"web/{name}.js" for name in ("common", "geometry", "pane")]
     scripts = [*shared, ASSETS / "chain.js", ASSETS / "lab.js"]
     script = "".join(path.read_text("utf-8") for path in [*scripts, *sorted(LESSONS.glob("*.js"))])
     opening = f'<script>openStage(document.querySelector("[data-stage={stage}]"))</script>' if stage else ""

@@ -174,7 +174,7 @@ class Case:
 @pytest.fixture
 def case(tmp_path, monkeypatch):
     # One point at a time, so that a row is written before the next point begins.
-    monkeypatch.setattr("pymunk_dragon.sweeps.computation._UNDER_WAY", 1)
+    monkeypatch.setattr(sys.modules["pymunk_dragon.sweeps.sweep"], "_UNDER_WAY", 1)
     return Case(tmp_path)
 
 
@@ -225,7 +225,7 @@ def test_other_sweep_is_not_resumed(case, monkeypatch):
         # Another version, and another file that defines the quantity.
         for name in ("version", "crc32"):
             with monkeypatch.context() as other:
-                other.setattr(f"pymunk_dragon.sweeps.computation.{name}", lambda of: "9.9")
+                other.setattr(sys.modules["pymunk_dragon.sweeps.sweep"], name, lambda of: "9.9")
                 case.assert_refused("of another sweep", resume=True, **given)
         case.partial.unlink()
 
@@ -248,7 +248,8 @@ def test_map_has_a_cell_for_each_point_and_lines_where_other_benches_touch():
     steps = [(0.15, 2.5, 0.15, 3.5), (0.15, 2.5, 0.25, 2.5), (0.25, 1.5, 0.25, 2.5), (0.25, 1.5, 0.45, 1.5)]
     assert found == [*steps, *((0.45, y, 0.45, y + 1) for y in (0.5, 1.5, 2.5))]
     texts = {text.get_text() for text in drawing.findobj(matplotlib.text.Text)}
-    assert {"0 and 8", "0 and 9", "clear", "Two sides over x and y", "gap, m", "no value", "reference: x 0.25"} <= texts
+    labels = {"0 and 8", "0 and 9", "clear", "gap, m", "no value", "reference: x 0.25"}
+    assert labels | {"Two sides over x and y: 0.1 to 0.9 m"} <= texts
     assert reference.get_xdata() == [0.25, 0.25]
 
 

@@ -16,8 +16,6 @@ from pymunk_dragon.sessions.ready import SCENES, Ready, dragon, planned, ready
 from pymunk_dragon.sessions.recording import RECORDING_ENDINGS, Log, record
 from pymunk_dragon.sessions.session import Session
 
-# Hosts at which only this machine reaches a page.
-_LOCAL = ("127.0.0.1", "localhost", "::1")
 _RECORD = "File to write at the end: inputs, .json, or the run of a dragon, .npz, which `render` films."
 
 
@@ -66,7 +64,7 @@ def serve(session: Session, log: Log | None, path: Path | None, **address: Any) 
 
     running = handle.Live(session, **address)
     try:
-        if address["host"] not in _LOCAL:
+        if address["host"] not in ("127.0.0.1", "localhost", "::1"):
             click.echo(text("Anybody who can reach this address and knows it can control the session:"), err=True)
         click.echo(text("control: {address}").format(address=running.address))
         click.echo(text("watch:   {address}").format(address=running.watch_address))

@@ -31,14 +31,6 @@ A frame of a GIF of 640 x 640 pixels takes `render` 5.4 ms, imageio 26.2 ms and 
 
 from pymunk_dragon.drawing.film import FILM_ENDINGS, STILL_ENDINGS, render, still_png
 from pymunk_dragon.drawing.film.settings import Camera, Film
-from pymunk_dragon.drawing.overlay import OVERLAYS
+from pymunk_dragon.drawing.marks import OVERLAYS
 
-__all__ = [
-    "FILM_ENDINGS",
-    "OVERLAYS",
-    "STILL_ENDINGS",
-    "Camera",
-    "Film",
-    "render",
-    "still_png",
-]
+__all__ = ["FILM_ENDINGS", "OVERLAYS", "STILL_ENDINGS", "Camera", "Film", "render", "still_png"]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 from PIL import Image, ImageDraw
@@ -13,9 +12,9 @@ from pymunk_dragon._arguments import Array
 from pymunk_dragon._language import text
 from pymunk_dragon.collision import separation
 from pymunk_dragon.drawing import lettering
-from pymunk_dragon.drawing.overlay import Layer, draw_overlays
+from pymunk_dragon.drawing.marks import Layer, draw_overlays
 from pymunk_dragon.drawing.palette import BLOCK, COLOURS
-from pymunk_dragon.drawing.sources import Source, march_of
+from pymunk_dragon.drawing.snapshots import SAMPLES, Source, march_of, states
 from pymunk_dragon.model.contact import Contact
 from pymunk_dragon.model.dragon import Dragon, outlines
 from pymunk_dragon.model.run import Run
@@ -78,20 +77,30 @@ class Scene:
         x, y = poses[0, :2].tolist()
         return self._ground((x, y), time, poses)
 
+    def parts(self, times: Array) -> set[str]:
+        """Return the kinds of benches in view at samples of `times` (F,): names of the palette's colours."""
+        kinds, times = set[str](), np.linspace(times[0], times[-1], min(SAMPLES, len(times)))
+        for time, poses in states(self.source, times):
+            offsets = poses[:, :2] - (poses[0, :2] if self.follow == "head" else self.centre)
+            seen = np.flatnonzero(np.all(np.abs(offsets) < np.array(self.size) / self.scale / 2, axis=1))
+            special = _special(len(poses), self.contact if self.contact and time >= self.contact.time else None)
+            kinds |= {special.get(bench, "body") for bench in seen.tolist()}
+        return kinds
+
     def draw(self, time: float, poses: Array) -> Image.Image:
         """Draw the benches at `poses` (N, 3) and a time, s (mode RGB)."""
         layer, march = self.layer(time, poses), march_of(self.source)
         contact = self.contact if self.contact and time >= self.contact.time else None
-        nearest = None if contact else _smallest_gap(march.dragon, poses)
+        gap, bench, point = (np.inf, 0, None) if contact else _smallest_gap(march.dragon, poses)
         draw_overlays(layer, self.show, below=True)
-        _draw_benches(layer, contact.benches if contact else ())
+        _draw_benches(layer, contact)
         below, ring = "", None
         if contact:
             # Short, to fit into a corner beside the spiral.
             below, ring = text("contact: benches {} and {}").format(*contact.benches), contact.point
-        elif nearest and (self.follow == "head" or nearest.distance < _SMALL_GAP):
-            below = text("gap {gap:.1f} mm to bench {bench}").format(gap=1e3 * nearest.distance, bench=nearest.bench)
-            ring = nearest.point if nearest.distance < _SMALL_GAP else None
+        elif gap < (np.inf if self.follow == "head" else _SMALL_GAP):
+            below = text("gap {gap:.1f} mm to bench {bench}").format(gap=1e3 * gap, bench=bench)
+            ring = point if gap < _SMALL_GAP else None
         if ring:
             centre = layer.pixels(ring).tolist()
             ImageDraw.Draw(layer.image).circle(centre, _RING_RADIUS * BLOCK, outline=COLOURS.ink, width=BLOCK)
@@ -141,14 +150,6 @@ class Scene:
         return layer
 
 
-class _Nearest(NamedTuple):
-    """Bench closest to the head bench: its number, the distance, m, and the point midway between both, m."""
-
-    bench: int
-    distance: float
-    point: tuple[float, float]
-
-
 def text_height(size: tuple[int, int]) -> int:
     """Return the height of texts in a picture of a size, pixels."""
     return max(_MIN_TEXT_HEIGHT, round(_TEXT_HEIGHT * min(size)))
@@ -159,32 +160,34 @@ def hole_diameter(dragon: Dragon) -> float:
     return min(_HOLE_DIAMETER, _MAX_HOLE_FRACTION * float(np.minimum(dragon.widths, 2 * dragon.overhangs).min()))
 
 
-def _smallest_gap(dragon: Dragon, poses: Array) -> _Nearest | None:
-    """Return the bench closest to the head bench at `poses` (N, 3), its neighbour excluded; None if there is none.
-
-    The distance is 0 if the benches overlap.
-    """
+def _smallest_gap(dragon: Dragon, poses: Array) -> tuple[float, int, tuple[float, float]]:
+    """Return the smallest gap of the head at `poses` (N, 3), m, to which bench but its neighbour, and where, m."""
     if dragon.benches < 3:
-        return None
+        return np.inf, 0, (0.0, 0.0)
     corners = dragon.outlines(poses)
     found = separation(corners[0], corners[2:])
     nearest = int(np.argmin(found.distance))
     x, y = found.point[nearest].tolist()
-    return _Nearest(nearest + 2, max(0.0, float(found.distance[nearest])), (x, y))
+    return max(0.0, float(found.distance[nearest])), nearest + 2, (x, y)
 
 
-def _draw_benches(layer: Layer, touching: tuple[int, ...]) -> None:
-    """Draw benches and holes, from tail to head, so that the head is on top; `touching` benches are in contact."""
+def _special(benches: int, contact: Contact | None) -> dict[int, str]:
+    """Return the kinds of the benches that are not of the body; the head stays the head in a contact."""
+    return {benches - 1: "tail"} | dict.fromkeys(contact.benches if contact else (), "contact") | {0: "head"}
+
+
+def _draw_benches(layer: Layer, contact: Contact | None) -> None:
+    """Draw benches and holes, from tail to head, so that the head is on top, with the `contact` of two."""
     dragon, poses = layer.dragon, layer.poses
-    colours = {dragon.benches - 1: COLOURS.tail} | dict.fromkeys(touching, COLOURS.contact) | {0: COLOURS.head}
+    special = _special(dragon.benches, contact)
     seen = np.flatnonzero(layer.holds(poses[:, :2], float(dragon.lengths.max())))[::-1]
     # ImageDraw also fills the pixels on a polygon's edge, so every side is inset by half a pixel.
     lengths, widths = dragon.lengths[seen] - 1 / layer.scale, dragon.widths[seen] - 1 / layer.scale
     polygons = np.floor(layer.pixels(outlines(poses[seen], lengths, widths))).reshape(-1, 8)
     draw = ImageDraw.Draw(layer.image)
     for bench, polygon in zip(seen.tolist(), polygons.tolist(), strict=True):
-        draw.polygon(polygon, fill=colours.get(bench, COLOURS.body), outline=COLOURS.ink)
-        if bench == 0 and touching[:1] == (0,):
+        draw.polygon(polygon, fill=getattr(COLOURS, special.get(bench, "body")), outline=COLOURS.ink)
+        if bench == 0 and contact and contact.benches[0] == 0:
             border = max(1, round(_HEAD_BORDER * dragon.widths[0] * layer.scale))
             draw.polygon(polygon, outline=COLOURS.contact, width=border)
     diameter = hole_diameter(dragon) * layer.scale

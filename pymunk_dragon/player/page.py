@@ -19,11 +19,9 @@ from pymunk_dragon.reports.document import headline, provenance, subtitle
 from pymunk_dragon.reports.summary import Summary, summarize
 
 PLAYER_ENDINGS = (".html",)
-# Parts of the script; each uses only those before it.
-_SCRIPTS = (
-    *("common", "texts", "decode", "geometry", "pane", "motion", "exact", "view", "format", "marks", "paint"),
-    *("picture", "timeline", "link", "pointer", "stage", "player", "controls", "main"),
-)
+# Scripts that player and live page share, and those of the player; each uses only those before it.
+_SHARED = ("common", "texts", "geometry", "pane", "view", "format", "marks", "paint", "pointer", "stage")
+_SCRIPTS = ("decode", "motion", "exact", "picture", "timeline", "link", "player", "controls", "main")
 # Counterparts of the films' colours on a dark ground: bright benches with dark outlines have the same contrast there.
 DARK = Palette(
     background="#171b22",
@@ -118,11 +116,11 @@ def player_page(run: Run, *, title: str | None = None) -> str:
 
 def document(body: str, style: str, script: str, connections: str = "", **values: str) -> tuple[str, str]:
     """HTML of a page with the parts that player and live page share, and its content security policy."""
-    style = colour_variables() + asset(__package__, "assets/player.css") + style
-    rules = policy(style, script) + connections
-    head, tail = (asset(__package__, f"assets/{name}.html") for name in ("head", "tail"))
-    values |= {name: asset(__package__, f"assets/{name}.html") for name in ("zoom", "help_tools", "help")}
-    return substituted(head + body + tail, policy=escape(rules), style=style, script=script, **values), rules
+    html = {name: asset("pymunk_dragon", f"web/{name}.html") for name in ("head", "tail", "zoom", "help_tools", "help")}
+    style = colour_variables() + asset("pymunk_dragon", "web/page.css") + style
+    script = "".join(asset("pymunk_dragon", f"web/{name}.js") for name in _SHARED) + script
+    rules, page = policy(style, script) + connections, html.pop("head") + body + html.pop("tail")
+    return substituted(page, policy=escape(rules), style=style, script=script, **html, **values), rules
 
 
 def catalogue(*packages: str) -> dict[str, str]:

@@ -5,15 +5,15 @@ from __future__ import annotations
 from functools import cache
 from html import escape
 
+from pymunk_dragon import player
 from pymunk_dragon.player.page import catalogue, document
 from pymunk_dragon.reports._html import asset, embedded_json
 
-# Parts of the script: those of the player, and those of this page; each uses only those before it.
-_SCRIPTS = {
-    "pymunk_dragon.player": "common texts geometry pane view format marks paint pointer stage",
-    __package__: "connection model force_scale shapes overlays live_paint parameters live_charts "
-    "tools recorder live_show live live_controls",
-}
+# Parts of the script of this page; each uses only those before it.
+_SCRIPTS = (
+    *("connection", "model", "force_scale", "shapes", "overlays", "live_paint", "parameters", "live_charts"),
+    *("tools", "recorder", "live_show", "live", "live_controls"),
+)
 
 
 @cache
@@ -22,9 +22,9 @@ def live_page(title: str, language: str) -> tuple[str, str]:
     return document(
         asset(__package__, "assets/live.html"),
         asset(__package__, "assets/live.css"),
-        "".join(asset(package, f"assets/{name}.js") for package, names in _SCRIPTS.items() for name in names.split()),
+        "".join(asset(__package__, f"assets/{name}.js") for name in _SCRIPTS),
         "; connect-src 'self'",
         language=language,
         title=escape(title),
-        texts=embedded_json({"zh": catalogue(*_SCRIPTS)}),
+        texts=embedded_json({"zh": catalogue(player.__name__, __package__)}),
     )

@@ -27,8 +27,8 @@ minutes.
 
 from __future__ import annotations
 
-from pymunk_dragon.sweeps.computation import sweep
 from pymunk_dragon.sweeps.quantities import QUANTITIES
+from pymunk_dragon.sweeps.sweep import sweep
 from pymunk_dragon.sweeps.table import Sweep
 
 __all__ = ["QUANTITIES", "Sweep", "sweep"]

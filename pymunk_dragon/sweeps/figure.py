@@ -52,7 +52,7 @@ def draw(found: Sweep) -> Figure:
         if min(x) <= own <= max(x):
             label = text("reference: {0}").format(f"{_words(name)} {own:g}")
             line(own, ls="--", lw=1, color=COLOURS.contact, label=label, gid="reference")
-    _write_titles(figure, axes, found, names)
+    _write_titles(figure, axes, found, names, values[np.isfinite(values)])
     return figure
 
 
@@ -63,15 +63,20 @@ def _draw_missing(axes: Axes, at: Sequence[Array], missing: Flags) -> None:
         axes.plot(at[0][missing], heights[missing], "x", color=QUIET, ms=4, label=text("no value"), gid="missing")
 
 
-def _write_titles(figure: Figure, axes: Axes, found: Sweep, names: Sequence[str]) -> None:
-    """Write titles and a legend."""
+def _write_titles(figure: Figure, axes: Axes, found: Sweep, names: Sequence[str], values: Array) -> None:
+    """Write titles, with the range of the `values` (P,) that are finite, and a legend."""
     note = text("{0} points")
     if "bench_a" in found.columns:
         along = text("{0} points; along each line the same benches touch")
-        note = along if len(names) == 1 else text("{0} points; across each line other benches touch")
+        note = (
+            along if len(names) == 1 else text("{0} points; labels: benches that touch first; others across each line")
+        )
     axes.set_title(note.format(found.points), color=QUIET)
-    over = text(" and ").join(map(_words, names))
-    figure.suptitle(text("{0} over {1}").format(text(found.summary), over), size=16)
+    title = text("{0} over {1}").format(text(found.summary), text(" and ").join(map(_words, names)))
+    if values.size:
+        unit = _UNITS.get(found.columns[len(found.names)].rpartition("_")[2], "")
+        title += text(": {0:.4g} to {1:.4g} {2}").format(values.min(), values.max(), unit).rstrip()
+    figure.suptitle(title, size=16)
     if axes.get_legend_handles_labels()[0]:
         figure.legend(loc="outside lower center", ncols=4, frameon=False)
 

@@ -7,7 +7,7 @@ scenes, which draw the states of a source at these times), and `formats` (file).
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -21,8 +21,7 @@ from pymunk_dragon.drawing.film.formats import WRITERS, Frames
 from pymunk_dragon.drawing.film.layout import Canvas
 from pymunk_dragon.drawing.film.settings import Film, checked_sources, shared_window
 from pymunk_dragon.drawing.film.timing import Timing
-from pymunk_dragon.drawing.palette import colour_table
-from pymunk_dragon.drawing.sources import Source
+from pymunk_dragon.drawing.snapshots import Source
 
 # All endings of films and of still pictures, in lower case.
 FILM_ENDINGS, STILL_ENDINGS = tuple(WRITERS), (".png",)
@@ -81,16 +80,8 @@ def render(
     if ending in STILL_ENDINGS:
         film = replace(film, start=film.window(sources)[1])
     timing = film.timing(sources)
-    canvas, colours = Canvas(sources, timing.times, film), Image.new("P", (1, 1))
-    colours.putpalette(colour_table().tobytes())
-
-    def pictures() -> Iterator[Image.Image]:
-        for done, frame in enumerate(canvas.frames(), start=1):
-            yield frame.quantize(palette=colours, dither=Image.Dither.NONE)
-            if progress is not None:
-                progress(done, len(timing.times))
-
-    frames = Frames(pictures=pictures(), ends=timing.ends.tolist(), size=canvas.size, fps=timing.fps)
+    canvas = Canvas(sources, timing.times, film)
+    frames = Frames(pictures=canvas.pictures(progress), ends=timing.ends.tolist(), size=canvas.size, fps=timing.fps)
     with written_in_place(destination) as draft:
         if ending in STILL_ENDINGS:
             draft.write_bytes(_png(next(canvas.frames())))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from itertools import accumulate
 
 import numpy as np
@@ -13,12 +13,11 @@ from pymunk_dragon._arguments import Array
 from pymunk_dragon._language import text
 from pymunk_dragon.drawing import lettering
 from pymunk_dragon.drawing.film.settings import Film
-from pymunk_dragon.drawing.overlay import check_overlays
-from pymunk_dragon.drawing.palette import COLOURS
+from pymunk_dragon.drawing.marks import check_overlays
+from pymunk_dragon.drawing.palette import COLOURS, colour_table
 from pymunk_dragon.drawing.scene import Scene, text_height
-from pymunk_dragon.drawing.sources import Source, extent, first_contact_until, march_of, states
+from pymunk_dragon.drawing.snapshots import SAMPLES, Source, first_contact_until, march_of, states
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.model.contact import Contact
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 
@@ -55,7 +54,7 @@ class Canvas:
         if headings:
             cells = [_row([lettering.line(heading, letters)], width + _GUTTER) for heading in headings]
             above.append(_row(cells, total))
-        below = _legend(self.scenes, total, letters) if film.legend and total >= _LEGEND_WIDTH else []
+        below = _legend(self.scenes, times, total, letters) if film.legend and total >= _LEGEND_WIDTH else []
         below += lettering.wrapped(film.caption, letters, total)
         # What the scenes leave free is the line between them.
         parts = [*above, Image.new("RGB", (total, height), COLOURS.curve), *below]
@@ -73,6 +72,15 @@ class Canvas:
                 frame.paste(scene.draw(time, poses), (left, self._top))
             yield frame
 
+    def pictures(self, progress: Callable[[int, int], None] | None) -> Iterator[Image.Image]:
+        """Draw the frames with the table of colours (mode P); `progress` is called after each."""
+        colours = Image.new("P", (1, 1))
+        colours.putpalette(colour_table().tobytes())
+        for done, frame in enumerate(self.frames(), start=1):
+            yield frame.quantize(palette=colours, dither=Image.Dither.NONE)
+            if progress is not None:
+                progress(done, len(self._times))
+
 
 def _scenes(sources: Sequence[Source], times: Array, film: Film) -> list[Scene]:
     """Return the scene of each source. A march beside its run shows the position errors of the run."""
@@ -83,6 +91,10 @@ def _scenes(sources: Sequence[Source], times: Array, film: Film) -> list[Scene]:
         beside = next((run for run in runs if run.march is source), None)
         run = source if isinstance(source, Run) else beside
         first, last = (run.times if run else times)[[0, -1]].tolist()
+        if isinstance(source, Run):
+            contact = source.first_contact
+        else:
+            contact = first_contact_until(source, first, last).contact if first < last else None
         scene = Scene(
             source=source,
             follow=follow,
@@ -91,7 +103,7 @@ def _scenes(sources: Sequence[Source], times: Array, film: Film) -> list[Scene]:
             size=film.shape,
             show=film.show,
             times=(first, last),
-            contact=_contact(source, first, last),
+            contact=contact,
             beside=beside,
             factor=_magnification(beside, follow) if beside else None,
         )
@@ -109,24 +121,24 @@ def _magnification(run: Run, follow: str) -> float | None:
     return max(1.0, float(f"{length.min() / error:.0e}")) if error > 0 else None
 
 
-def _contact(source: Source, first: float, last: float) -> Contact | None:
-    """Return the first contact of a run, or of a march between two times, s."""
-    if isinstance(source, Run):
-        return source.first_contact
-    return first_contact_until(source, first, last).contact if first < last else None
-
-
 def _field(sources: Sequence[Source], times: Array, film: Film) -> tuple[tuple[float, float], float]:
     """Return the centre, m, and the width, m, of the ground in view, with two lines free for texts."""
     if film.camera.follow == "head":
         widest = max(float(march_of(source).dragon.widths[0]) for source in sources)
         return (0.0, 0.0), film.camera.span or _HEAD_SPAN * widest
-    lows, highs = zip(*(extent(source, times) for source in sources), strict=True)
+    lows, highs = zip(*(_extent(source, times) for source in sources), strict=True)
     (left, bottom), (right, top) = np.min(lows, axis=0).tolist(), np.max(highs, axis=0).tolist()
     width, height = film.shape
     free = max(height - 2 * lettering.line("", text_height(film.shape)).height, height / 2)
     span = (1 + 2 * _FIELD_BORDER) * max(right - left, (top - bottom) * width / free)
     return ((left + right) / 2, (bottom + top) / 2), film.camera.span or span
+
+
+def _extent(source: Source, times: Array) -> tuple[Array, Array]:
+    """Return the lower left and upper right corner (2,), m, of the dragon's bounding box over `times` (F,)."""
+    samples = states(source, np.linspace(times[0], times[-1], min(SAMPLES, len(times))))
+    corners = np.concatenate([march_of(source).dragon.outlines(poses).reshape(-1, 2) for _, poses in samples])
+    return corners.min(axis=0), corners.max(axis=0)
 
 
 def _headings(sources: Sequence[Source], film: Film) -> Sequence[str]:
@@ -139,12 +151,12 @@ def _headings(sources: Sequence[Source], film: Film) -> Sequence[str]:
 
 
 def _model(source: Source) -> str:
-    """Return the name of the model that computed a source, with its guide."""
+    """Return the name of the model that computed a source, with what its guide does."""
     if isinstance(source, March) or source.player == "exact":
         return text("exact model")
     # A guide of the user's own has no other name.
-    guide = {"none": text("no guide"), "rails": text("rails")}.get(source.guide or "", source.guide or "")
-    return text(", ").join(filter(None, (text("engine"), guide)))
+    guides = {"none": text("only the head is guided"), "rails": text("dancers guide every bench")}
+    return text(": ").join(filter(None, (text("engine"), guides.get(source.guide or "", source.guide))))
 
 
 def _row(parts: Sequence[Image.Image], width: int) -> Image.Image:
@@ -156,12 +168,12 @@ def _row(parts: Sequence[Image.Image], width: int) -> Image.Image:
     return row
 
 
-def _legend(scenes: Sequence[Scene], width: int, letters: int) -> list[Image.Image]:
-    """Return the lines of a legend, and of a scale bar: the longest of 1, 2 or 5 times a power of ten, m."""
-    names = {text("head"): COLOURS.head, text("body"): COLOURS.body, text("tail"): COLOURS.tail}
-    if any(scene.contact for scene in scenes):
-        names[text("in contact")] = COLOURS.contact
-    entries = [_entry(colour, letters, letters // 2, name, letters) for name, colour in names.items()]
+def _legend(scenes: Sequence[Scene], times: Array, width: int, letters: int) -> list[Image.Image]:
+    """Return the lines of a legend of what is in view, and a scale bar: 1, 2 or 5 times a power of ten, m."""
+    names = {"head": text("head"), "body": text("body"), "tail": text("tail"), "contact": text("in contact")}
+    seen = set[str]().union(*(scene.parts(times) for scene in scenes))
+    shown = [(name, getattr(COLOURS, part)) for part, name in names.items() if part in seen]
+    entries = [_entry(colour, letters, letters // 2, name, letters) for name, colour in shown]
     for factor in filter(None, (scene.factor for scene in scenes)):
         name = text("position error x {factor:,.0f}").format(factor=factor)
         entries.append(_entry(COLOURS.motion, letters, 1, name, letters))

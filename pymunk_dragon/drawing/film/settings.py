@@ -11,8 +11,8 @@ import numpy as np
 
 from pymunk_dragon._arguments import finite, positive, whole, word
 from pymunk_dragon.drawing.film.timing import ADVANCE, Timing, slowed
-from pymunk_dragon.drawing.overlay import OVERLAYS
-from pymunk_dragon.drawing.sources import Source, march_of
+from pymunk_dragon.drawing.marks import OVERLAYS
+from pymunk_dragon.drawing.snapshots import Source, march_of
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pymunk_dragon._arguments import Array
-from pymunk_dragon.drawing.sources import Source, first_contact_until, march_of
+from pymunk_dragon.drawing.snapshots import Source, first_contact_until, march_of
 from pymunk_dragon.model.run import Run
 
 # Largest travel of the head per frame, in shortest spacings of the body: 0.66 m of the paper's 1.65 m. From half a

@@ -22,7 +22,7 @@ ASSETS = "lessons/_framework/assets"
 MEDIA_TYPES = {".gif": "image/gif", ".png": "image/png", ".py": "text/x-python", ".ipynb": "application/x-ipynb+json"}
 # Scripts of the page, between the last two of which the stages of the lessons stand; and its styles.
 SCRIPTS = (
-    *(f"player/assets/{name}.js" for name in ("common", "geometry", "pane")),
+    *(f"web/{name}.js" for name in ("common", "geometry", "pane")),
     *(f"{ASSETS}/{name}.js" for name in ("chain", "lab", "lessons")),
 )
 STYLES = (f"{ASSETS}/lessons.css", f"{ASSETS}/lab.css")

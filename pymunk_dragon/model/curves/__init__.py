@@ -18,9 +18,10 @@ $ pymunk-dragon render u-turn.npz -o u-turn.gif
 
 from pymunk_dragon.model.curves.base import Curve
 from pymunk_dragon.model.curves.check import check_curve
-from pymunk_dragon.model.curves.composite import Composite, Reversed, Section, UTurn
+from pymunk_dragon.model.curves.composite import Composite, Reversed, Section
 from pymunk_dragon.model.curves.line_and_arc import Arc, Line
 from pymunk_dragon.model.curves.sampled import Sampled
 from pymunk_dragon.model.curves.spiral import Spiral
+from pymunk_dragon.model.curves.u_turn import UTurn
 
 __all__ = ["Arc", "Composite", "Curve", "Line", "Reversed", "Sampled", "Section", "Spiral", "UTurn", "check_curve"]

@@ -1,4 +1,4 @@
-"""Curves that are made of other curves: joined end to begin, in part, or travelled the other way; the U-turn."""
+"""Curves that are made of other curves: joined end to begin, in part, or travelled the other way."""
 
 from __future__ import annotations
 
@@ -6,23 +6,18 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from pymunk_dragon._arguments import Array, Complex, as_complex, finite, number
+from pymunk_dragon._arguments import Array, Complex, as_complex, number
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.curves.base import Curve, PackageCurve, required_curve
-from pymunk_dragon.model.curves.line_and_arc import Arc
-from pymunk_dragon.model.curves.spiral import Spiral
 
 # m and rad that two pieces may be apart where they meet: far above rounding, and far below what results need.
 _MAX_GAP = _MAX_KINK = 1e-9
 # m before a section at which a handle still counts as on it.
 _ROUNDING = 1e-10
-# m. Smaller circles are too narrow for benches; on larger ones, coordinates on the spiral lose digits.
-_MIN_RADIUS, _MAX_RADIUS = 0.1, 100.0
-_MAX_RATIO = 50.0  # Beyond it the turn is one on a single arc.
 
 
 class _Link(NamedTuple):
@@ -243,73 +238,3 @@ class Reversed(PackageCurve, kind="reversed"):
 
     def _max_curvature(self, lower: Array, upper: Array) -> Array:
         return self.curve.max_curvature(-upper, -lower)
-
-
-@dataclass(frozen=True, kw_only=True)
-class UTurn(Composite, kind="u-turn"):
-    """In on a spiral, round inside a circle on two arcs that touch, and out on the spiral turned by 180 degrees.
-
-    The coordinate is 0 at the entry to the circle. Entry and exit are opposite to each other with equal tangents, so
-    both arcs turn by twice the angle between the entry's direction and the straight line to the exit. That fixes the
-    sum of the radii, and the length of the turn, whatever the ratio.
-
-    Parameters
-    ----------
-    pitch : float
-        Radial distance between turns of either spiral, m, from 0.001 to 1000.
-    radius : float
-        Radius of the circle about the origin, m, from 0.1 to 100 and at most 1000 pitches.
-    ratio : float
-        Radius of the first arc over that of the second, from 0.02 to 50.
-
-    Attributes
-    ----------
-    length, radii, sweeps, centres, tangent_points
-        Length of both arcs, m; for each, radius, m, angle, rad, and centre (2,), m; and (3, 2), m, entry, the point
-        between the arcs, and exit.
-
-    Examples
-    --------
-    >>> round(UTurn().length, 6)
-    13.621245
-    """
-
-    flags: ClassVar = {
-        "pitch": ("M", "Distance between the turns of the spiral, m."),
-        "radius": ("M", "Radius of the circle in which a u-turn is made, m."),
-        "ratio": ("X", "Radius of a u-turn's first arc over that of its second."),
-    }
-
-    pieces: tuple[Curve, ...] = field(init=False, repr=False, compare=False)
-    pitch: float = 1.7
-    radius: float = 4.5
-    ratio: float = 2.0
-    length: float = field(init=False, repr=False, compare=False)
-    sweeps: Array = field(init=False, repr=False, compare=False)
-    radii: Array = field(init=False, repr=False, compare=False)
-    tangent_points: Array = field(init=False, repr=False, compare=False)
-    centres: Array = field(init=False, repr=False, compare=False)
-
-    def __post_init__(self) -> None:
-        inward, radius = Spiral(pitch=self.pitch), finite("radius", self.radius, _MIN_RADIUS, _MAX_RADIUS, "m")
-        ratio = finite("ratio", self.ratio, 1 / _MAX_RATIO, _MAX_RATIO, "")
-        s, outward = inward.at_radius(radius), Spiral(pitch=self.pitch, rotation=math.pi, outward=True)
-        # The polar angle of the entry; the angle between the path there and the straight line to the exit.
-        angle = 2 * math.pi * radius / inward.pitch
-        aside = math.atan(angle)
-        heading = angle - math.pi + aside
-        sweeps = np.array([-2 * aside, 2 * aside])
-        # Each arc's chord is twice its radius times the sine of half its angle; together they are the diameter.
-        radii = radius / math.sin(aside) / (1 + ratio) * np.array([ratio, 1.0])
-        points = np.outer([1.0, (1 - ratio) / (1 + ratio), -1.0], radius * np.array([math.cos(angle), math.sin(angle)]))
-        centres = points[[0, 2]] + np.outer(radii * [-1, 1], [-math.sin(heading), math.cos(heading)])
-        begins = heading + math.pi / 2, heading - 2 * aside - math.pi / 2
-        arcs = (
-            Arc(centre=centre, radius=radius, begin_angle=begin, sweep=sweep)
-            for centre, radius, begin, sweep in zip(centres, radii, begins, sweeps, strict=True)
-        )
-        self._set(pieces=(Section(inward, -math.inf, s), *arcs, Section(outward, -s, math.inf)))
-        super().__post_init__()
-        self._set(pitch=inward.pitch, radius=radius, ratio=ratio, length=2 * aside * radius / math.sin(aside))
-        self._set(sweeps=sweeps, radii=radii, tangent_points=points, centres=centres)
-        self._set(turn_width=inward.pitch, circles=((0.0, 0.0, radius),))

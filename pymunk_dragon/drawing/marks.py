@@ -16,7 +16,7 @@ from PIL import Image, ImageDraw
 from pymunk_dragon._arguments import Array
 from pymunk_dragon.collision import Grid
 from pymunk_dragon.drawing.palette import BLOCK, COLOURS
-from pymunk_dragon.drawing.sources import Source, march_of
+from pymunk_dragon.drawing.snapshots import Source, march_of
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.run import Run
@@ -61,8 +61,7 @@ class Layer:
     def holds(self, points: ArrayLike, margin: float) -> NDArray[np.bool_]:
         """Return which of `points` (..., 2), m, are in view or at most `margin` m outside."""
         half = np.asarray(self.image.size) / (2 * self.scale) + margin
-        inside: NDArray[np.bool_] = np.all(np.abs(np.asarray(points) - self.centre) <= half, axis=-1)
-        return inside
+        return np.asarray(np.all(np.abs(np.asarray(points) - self.centre) <= half, axis=-1))
 
     def disc(self, centre: Sequence[float], radius: float) -> None:
         """Draw a disc of force; lengths in pixels."""
@@ -185,10 +184,10 @@ def _draw_grid(layer: Layer) -> None:
         )
         draw.rectangle((x0, y0, x1 - 1, y1 - 1), fill=(*COLOURS.rgb("grid"), _CELL_TINT))
     width, height = layer.image.size
-    for x in np.arange(left % cell, width, cell).tolist():
-        draw.line((x, 0, x, height), fill=(*COLOURS.rgb("grid"), _LINE_TINT), width=BLOCK)
-    for y in np.arange(top % cell, height, cell).tolist():
-        draw.line((0, y, width, y), fill=(*COLOURS.rgb("grid"), _LINE_TINT), width=BLOCK)
+    lines = [(x, 0, x, height) for x in np.arange(left % cell, width, cell).tolist()]
+    lines += [(0, y, width, y) for y in np.arange(top % cell, height, cell).tolist()]
+    for line in lines:
+        draw.line(line, fill=(*COLOURS.rgb("grid"), _LINE_TINT), width=BLOCK)
 
 
 # All overlays by name, in the order in which they are drawn.

@@ -18,8 +18,8 @@ Source = Run | March
 _CHUNK_FRAMES = 32
 # s: margin by which the search for a contact at the end of a film extends beyond the end.
 _CONTACT_MARGIN = 1e-6
-# Times at which the extent of a dragon is sampled.
-_SAMPLES = 64
+# Times at which the extent of a dragon, and the benches in view, are sampled.
+SAMPLES = 64
 
 
 def march_of(source: Source) -> March:
@@ -38,16 +38,5 @@ def states(source: Source, times: Array) -> Iterator[tuple[float, Array]]:
     for chunk in np.split(times, range(_CHUNK_FRAMES, len(times), _CHUNK_FRAMES)):
         if isinstance(source, Run):
             chunk = np.clip(chunk, source.times[0], source.times[-1])
-        yield from zip(chunk.tolist(), poses_at(source, chunk), strict=True)
-
-
-def poses_at(source: Source, times: Array) -> Array:
-    """Return the poses (T, N, 3) at `times` (T,), s."""
-    return source.poses_at(times) if isinstance(source, Run) else source.at(times).poses
-
-
-def extent(source: Source, times: Array) -> tuple[Array, Array]:
-    """Return the lower left and upper right corner (2,), m, of the dragon's bounding box over `times` (F,)."""
-    samples = states(source, np.linspace(times[0], times[-1], min(_SAMPLES, len(times))))
-    corners = np.concatenate([march_of(source).dragon.outlines(poses).reshape(-1, 2) for _, poses in samples])
-    return corners.min(axis=0), corners.max(axis=0)
+        poses = source.poses_at(chunk) if isinstance(source, Run) else source.at(chunk).poses
+        yield from zip(chunk.tolist(), poses, strict=True)
