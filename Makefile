@@ -9,7 +9,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 MAKEFLAGS += --jobs=$(shell getconf _NPROCESSORS_ONLN) $(if $(filter output-sync,$(.FEATURES)),--output-sync=line)
 
 .DEFAULT_GOAL := help
-.PHONY: help render figures map screenshot report docs test test-all fuzz lint bench demos clean FORCE
+.PHONY: help render figures map screenshot report docs test test-all test-versions fuzz lint bench demos clean FORCE
 # A film or a run that was interrupted is not a film or a run.
 .DELETE_ON_ERROR:
 
@@ -23,18 +23,31 @@ $(VENV)/core: pyproject.toml
 	@$(BIN)/pip install --quiet --editable .
 	@touch $@
 
-# Installs the extras $(1) of pyproject.toml, but not the package again, which other jobs may be running.
-install_extras = $(BIN)/python -c "import tomllib; extras = tomllib.load(open('pyproject.toml', 'rb'))['project']['optional-dependencies']; print(*(line for name in '$(1)'.split() for line in extras[name]), sep='\n')" > $@.txt \
+# Installs the extras of pyproject.toml; the package, which other jobs may be running, is there already.
+$(VENV)/extras: $(VENV)/core
+	@$(BIN)/pip install --quiet "pymunk-dragon[all]" && touch $@
+
+# Installs the dependency groups $(1) of pyproject.toml, as `pip install --group` does from pip 25.1 on.
+install_groups = $(BIN)/python -c "import tomllib; groups = tomllib.load(open('pyproject.toml', 'rb'))['dependency-groups']; print(*(line for name in '$(1)'.split() for line in groups[name]), sep='\n')" > $@.txt \
 	&& $(BIN)/pip install --quiet --requirement $@.txt && mv $@.txt $@
 
-$(VENV)/extras: $(VENV)/core
-	@$(call install_extras,chinese cluster curves figures live mp4 notebook report studies demos)
-
 $(VENV)/documentation: $(VENV)/extras
-	@$(call install_extras,docs)
+	@$(call install_groups,docs)
 
 $(VENV)/tools: $(VENV)/documentation
-	@$(call install_extras,test lint)
+	@$(call install_groups,test lint)
+
+# An environment with the lowest versions that pyproject.toml allows of what the program depends on, and one with the
+# newest; the tools of the tests are new in both.
+.venv-lowest/tools: RESOLUTION := lowest-direct
+.venv-highest/tools: RESOLUTION := highest
+.venv-lowest/tools .venv-highest/tools: pyproject.toml
+	@echo "setting up $(@D)"
+	@$(PYTHON) -m venv --clear $(@D)
+	@$(@D)/bin/pip install --quiet uv
+	@$(@D)/bin/uv pip install --quiet --python $(@D) --resolution $(RESOLUTION) --editable ".[all]"
+	@$(@D)/bin/uv pip install --quiet --python $(@D) --group dev
+	@touch $@
 
 # What makes each file: the arguments of pymunk-dragon. A file is made again when its line here, the code that makes it
 # or the run that it shows has changed.
@@ -129,6 +142,10 @@ RUN_TESTS = $(BIN)/python -m pytest -q --numprocesses auto --dist worksteal
 
 test: $(VENV)/tools ## run the quick tests, which are most of them
 	$(RUN_TESTS) -m "not thorough" $(PYTEST)
+
+test-versions: .venv-lowest/tools .venv-highest/tools ## run the quick tests with the lowest and the newest dependencies
+	$(RUN_TESTS:$(VENV)/%=.venv-lowest/%) -m "not thorough" $(PYTEST)
+	$(RUN_TESTS:$(VENV)/%=.venv-highest/%) -m "not thorough" $(PYTEST)
 
 test-all: $(VENV)/tools ## run all tests: whole engine runs, every lesson, the commands in texts, pages in a browser
 	$(RUN_TESTS) $(PYTEST)

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import signal
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from threading import current_thread, main_thread
+from contextlib import contextmanager, suppress
 from types import FrameType
 from typing import Any
 
@@ -17,10 +16,9 @@ ENDING = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP")
 def signals_held(holds: Callable[[], bool] = lambda: True) -> Iterator[Callable[[], None]]:
     """Delay the handlers of signals while `holds()` is true; yields a function that runs the delayed ones.
 
-    They are also run at the end. Outside the main thread, in which all handlers run, this changes nothing.
+    They are also run at the end. Where no handler can be set, outside the main thread or in a browser, nothing changes.
     """
-    found = {number: signal.getsignal(number) for number in ENDING if current_thread() is main_thread()}
-    handlers: dict[int, Any] = {number: handler for number, handler in found.items() if callable(handler)}
+    handlers: dict[int, Any] = {each: handler for each in ENDING if callable(handler := signal.getsignal(each))}
     held: list[int] = []
 
     def handle(number: int, frame: FrameType | None) -> None:
@@ -34,10 +32,12 @@ def signals_held(holds: Callable[[], bool] = lambda: True) -> Iterator[Callable[
             handlers[number](number, None)
 
     try:
-        for number in handlers:
-            signal.signal(number, handle)
+        with suppress(OSError, ValueError):
+            for number in handlers:
+                signal.signal(number, handle)
         yield release
     finally:
-        for number, handler in handlers.items():
-            signal.signal(number, handler)
+        with suppress(OSError, ValueError):
+            for number, handler in handlers.items():
+                signal.signal(number, handler)
     release()

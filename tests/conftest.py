@@ -1,7 +1,6 @@
 """What several test files share."""
 
 import os
-import pty
 import re
 import select
 import signal
@@ -38,6 +37,11 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 # Coverage measures child processes too, writes a file in each, and locks what its tracer shares.
 not_under_coverage = pytest.mark.skipif(
     "COVERAGE_PROCESS_CONFIG" in os.environ, reason="coverage writes files and takes locks of its own"
+)
+# What needs Linux: devices such as /dev/full, process groups, limits of the shell, GNU make.
+linux_only = pytest.mark.skipif(sys.platform != "linux", reason="needs devices or signals of Linux")
+collect_ignore = (
+    [] if sys.platform == "linux" else ["fuzz", "test_documentation.py", "test_faults.py", "test_sweeps.py"]
 )
 DATA = Path(__file__).parent / "data"
 # s: only a program that does not end reaches this.
@@ -157,6 +161,7 @@ def read_until(stream, pattern):
 @pytest.fixture
 def terminal():
     """Call the program in a terminal: what the terminal shows, with exit code 0."""
+    pty = pytest.importorskip("pty")
 
     def called(*arguments):
         mine, theirs = pty.openpty()

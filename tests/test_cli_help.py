@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from click.shell_completion import ShellComplete
-from conftest import assert_one_line
+from conftest import assert_one_line, linux_only
 
 from pymunk_dragon import Dragon, March, Run
 from pymunk_dragon.cli import COMMANDS, PROGRAM, cli, command
@@ -205,6 +205,7 @@ BAD_INPUT = {
 }
 
 
+@linux_only
 def test_bad_input_is_named_in_one_line_and_nothing_is_written(call, complaint, here, monkeypatch):
     monkeypatch.setattr(sys, "path", list(sys.path))
     files = {

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from conftest import refusal
 from marches import ARM, TRACTOR
-from PIL import Image
+from PIL import Image, features
 
 from pymunk_dragon import Camera, Dragon, Film, March, Run, SpeedTable, UTurn, first_contact, render
 from pymunk_dragon._language import in_language
@@ -358,9 +358,10 @@ def test_pictures_look_as_they_did(seed, golden):
     for name, (source, film) in films.items():
         time = CONTACT if source is seed else 20.0
         golden(Image.fromarray(still(source, time, film)), f"films/{name}")
-    with in_language("zh"):
-        film = Film(size=330, camera=HEAD, title="\u677f\u51f3\u9f99")
-        golden(Image.fromarray(still([displaced(seed), seed.march], 410.0, film)), "films/errors")
+    if features.check("raqm"):  # Without FriBidi on the system, Pillow spaces Chinese otherwise.
+        with in_language("zh"):
+            film = Film(size=330, camera=HEAD, title="\u677f\u51f3\u9f99")
+            golden(Image.fromarray(still([displaced(seed), seed.march], 410.0, film)), "films/errors")
 
 
 def test_contacts_are_shown_while_benches_touch(seed, small_run):

@@ -1,6 +1,5 @@
 """What the engine does, held against the exact model and against Shapely."""
 
-import os
 import signal
 from concurrent.futures import ThreadPoolExecutor
 
@@ -355,7 +354,7 @@ def test_signals_and_errors_during_a_step_are_raised_after_it(monkeypatch):
     handler, seen = signal.getsignal(signal.SIGINT), []
 
     def interrupted(*_):
-        os.kill(os.getpid(), signal.SIGINT)
+        signal.raise_signal(signal.SIGINT)
         seen.append("the end of the callback")
 
     for log, raised in ((interrupted, KeyboardInterrupt), (Dragon, TypeError)):

@@ -12,7 +12,7 @@ from dataclasses import FrozenInstanceError, replace
 
 import numpy as np
 import pytest
-from conftest import assert_says, examples, refusal
+from conftest import assert_says, examples, linux_only, refusal
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -245,6 +245,7 @@ def test_sizes_that_a_file_claims_are_bounded(load):
         refusal(load, archive_of(**{name: file.getvalue()}), error=FileFormatError)
 
 
+@linux_only
 def test_files_that_are_none_are_refused_and_a_pipe_is_read(tmp_path):
     for name in ("none.npz", "none/run.npz", ".", "nul\0.npz"):
         assert refusal(Run.load, tmp_path / name).name == "run"

@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from conftest import NO_NUMBERS, assert_says, refusal
+from conftest import NO_NUMBERS, assert_says, linux_only, refusal
 from test_curve_kinds import LogarithmicSpiral
 
 from pymunk_dragon import Dragon, March, Run, Scenario
@@ -158,6 +158,7 @@ def test_curve_and_speed_may_be_files_beside_the_scenario(tmp_path):
     assert_says(refusal(Scenario, curve=str(path), error=FileFormatError), "path.csv: line 5", "1000000000.0")
 
 
+@linux_only
 def test_files_that_are_no_scenario_are_refused(tmp_path):
     for content in (
         b"pitch =",

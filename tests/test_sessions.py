@@ -24,7 +24,7 @@ import aiohttp
 import numpy as np
 import pymunk
 import pytest
-from conftest import assert_says
+from conftest import assert_says, linux_only
 from live_sessions import PATIENCE, greeting, joined, played, replay_session, replayed, served
 
 from pymunk_dragon.errors import DragonError, MissingExtraError, ParameterError
@@ -614,6 +614,7 @@ def test_without_aiohttp_the_extra_is_named(call, monkeypatch):
         live(browser=False)
 
 
+@linux_only
 def test_ctrl_c_ends_the_program_with_130_and_writes_a_recording_whose_replay_is_equal(call, tmp_path):
     async def watch(address):
         async with joined(address) as client:

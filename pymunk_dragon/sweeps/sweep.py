@@ -34,9 +34,9 @@ from pymunk_dragon.sweeps.table import Axes, Partial, Sweep, check_format
 
 # Futures under way, at most: enough for so many workers, and few in memory.
 _UNDER_WAY = 256
-# Processors for this process, of which each gets a worker process, and such processes at most.
-_CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-_MAX_WORKERS = 1000
+# Worker processes, at most (Windows waits for no more), and processors for this process, of which each gets one.
+_MAX_WORKERS = 61 if os.name == "nt" else 1000
+_CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else min(os.cpu_count() or 1, _MAX_WORKERS)
 
 
 def sweep(
