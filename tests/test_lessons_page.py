@@ -237,4 +237,8 @@ def test_experiments_with_pymunk_are_live_on_a_live_server(browser):
         seen.page.click(".languages button[value=en]")
         wait_until(live, "document.documentElement.lang === 'en'")
         assert seen.page.url == f"{running.address}&en"
+        # The live page by itself has a link to the lesson.
+        seen.page.goto(running.address.replace("/?", "/live?"))
+        seen.page.click("#lesson")
+        assert seen.page.url == f"{running.address}#tension"
         assert seen.complaints == []
