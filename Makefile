@@ -127,7 +127,8 @@ demos: renders/lessons.html ## run all lessons, and put them on one page: render
 screenshot: renders/march.html renders/lessons.html $(VENV)/tools ## pictures of the pages, in Chromium: renders/player.png, lessons.png, live.gif
 	$(BIN)/python tests/bench/screenshot.py renders/march.html "#t=409.8&follow=head" renders/player.png
 	$(BIN)/python tests/bench/screenshot.py renders/lessons.html "#spiral" renders/lessons.png
-	set -e; for name in chain sat near-miss speed-limit; do $(BIN)/python tests/bench/screenshot.py renders/lessons.html "#$$name" renders/lesson-$$name.png; done
+	set -e; for stage in chain "sat walls=4" "near-miss time=412.6 coordinates=3" "speed-limit way_of_the_head=14.6 speed_of_the_head=1.3"; do set -- $$stage; name=$$1; shift; \
+	  $(BIN)/python tests/bench/screenshot.py renders/lessons.html "#$$name" renders/lesson-$$name.png "$$@"; done
 	$(BIN)/python tests/bench/film_live.py renders/live.gif
 
 # The pages, and the arguments that make each picture and its run, for the gallery.

@@ -38,10 +38,6 @@ def found_in(name, pattern):
     return found
 
 
-def degrees_cosine(angle: float) -> float:
-    return math.cos(math.radians(angle))
-
-
 def test_turning_is_the_pace_over_the_root_and_the_walk_is_steady():
     table = found_in("spiral", "^t =")
     assert [row[0] for row in table] == [0, 100, 200, 300, 400]
@@ -226,14 +222,6 @@ def test_pitch_of_looks_each_second_is_where_one_of_them_sees_no_gap():
     assert {round(seen[-2], 5), -truth[-1]} <= set(said("pitch", "Answer"))
 
 
-def rectangle(x, y, angle, length, width):
-    return shapely.affinity.translate(
-        shapely.affinity.rotate(shapely.box(-length / 2, -width / 2, length / 2, width / 2), angle, use_radians=True),
-        x,
-        y,
-    )
-
-
 def drifts():
     """Printed drifts in µm, by number of iterations, from long steps to short ones."""
     lines = [line for line in printed("engine") if " iterations" in line]
@@ -271,7 +259,8 @@ def flying(step):
     """The bench that flies, and where its centre is, in the given step, as long as it has met nothing."""
     t = 0.02 * (step + 1)
     x, y = -2.4 + 2.5 * t, 1.7 - t
-    return rectangle(x, y, -0.6, 2.2, 0.3), np.array([x, y])
+    turned = shapely.affinity.rotate(shapely.box(-1.1, -0.15, 1.1, 0.15), -0.6, use_radians=True)
+    return shapely.affinity.translate(turned, x, y), np.array([x, y])
 
 
 def test_callbacks_come_in_the_order_and_as_often_as_the_lesson_says():

@@ -21,13 +21,11 @@ pytestmark = [pytest.mark.thorough, needs_browser]
 LESSONS = Path(pymunk_dragon.lessons.__file__).parent
 ASSETS = LESSONS / "_framework/assets"
 FRAME = """
-:root { color-scheme: light dark; --ink: #27303f; --quiet: #5d6675; --rule: #e4dcca; --link: #2f6594; }
-@media (prefers-color-scheme: dark) { :root { --ink: #e7e3da; --quiet: #a3a9b4; --rule: #38404d; --link: #8db4d6; } }
-body { margin: 1rem; background: light-dark(#fdfbf6, #171b22); color: var(--ink); font: 1.05rem/1.6 system-ui; }
+:root { color-scheme: light; --ink: #27303f; --quiet: #5d6675; --rule: #e4dcca; --link: #2f6594; }
+body { margin: 1rem; background: #fdfbf6; color: var(--ink); font: 1.05rem/1.6 system-ui; }
 main { max-width: 46rem; }
 """
-# m.
-CLOSE = 1e-9
+CLOSE = 1e-9  # m
 SUPERSCRIPTS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
 
 
@@ -158,7 +156,9 @@ def set_slider(page, name, value):
 def readout(page):
     """What the stage says, once it has drawn."""
     page.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
-    return page.evaluate("document.querySelector('output').textContent")
+    said = page.evaluate("document.querySelector('output').textContent")
+    assert not re.search(r"\d \w", said), "a line may end between a number and its unit"
+    return said.replace("\u00a0", " ")
 
 
 def drag(page, name, dx, dy, steps=5):
@@ -192,7 +192,7 @@ def test_spiral_says_how_fast_one_turns(visit):
 def test_chain_finds_the_next_handle(visit):
     with visit("chain") as found:
         page = found.page
-        assert "The circle meets the spiral 22 times." in readout(page)
+        assert readout(page).startswith("Points of the spiral found on the circle: 0. Yours is not on the spiral")
         march = March()
         (x, y), (px, py) = march.at(300).positions[0, :2]
         box = page.locator("canvas").bounding_box()
@@ -202,13 +202,14 @@ def test_chain_finds_the_next_handle(visit):
         centre = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
         drag(page, "The next handle", centre[0] + (px - x) * scale - at[0], centre[1] - (py - y) * scale - at[1])
         arc = -np.diff(march.handles_s(300, 2)[0]).item()
-        assert f"Yours is right: {arc:.3f} m back along the path" in readout(page)
-        # By the keyboard to another point of the circle.
-        page.get_by_role("button", name="The next handle").press("ArrowUp")
-        assert "not on the spiral" in readout(page)
-        set_slider(page, "handle to handle", 1.65)
-        away = np.hypot(*(Spiral().point(np.linspace(-800, 0, 800_001)) - (x, y)).T) - 1.65
-        assert f"meets the spiral {np.sum(away[:-1] * away[1:] < 0)} times" in readout(page)
+        assert f"Yours is {arc:.3f} m back along the path, 0.00 m off." in readout(page)
+        # By the keyboard once round the circle.
+        away = np.hypot(*(Spiral().point(np.linspace(-800, 0, 800_001)) - (x, y)).T)
+        for bench in (2.86, 1.65):
+            set_slider(page, "handle to handle", bench)
+            for _ in range(13):
+                page.get_by_role("button", name="The next handle").press("Shift+ArrowUp")
+            assert f"on the circle: {np.sum(np.diff(away > bench))}. Yours is not on the spiral" in readout(page)
 
 
 def test_velocity_says_how_slow_the_tail_is_and_how_wrong_a_difference(visit):
@@ -237,20 +238,20 @@ def test_sat_says_how_far_two_benches_are_apart(visit):
             distance = separation(*pymunk_dragon.outlines(poses, [2.2, 2.2], 0.3)).distance.item()
             return f"are {distance:.3f} m apart." if distance > 0 else f"overlap by {-distance:.3f} m."
 
-        assert readout(page) == f"Light on 1 of 4 walls, up to 0.070 m wide. The benches, at 30°, {verdict()}"
+        assert readout(page) == f"Walls with light: none of 1. The benches, at 30°, {verdict()}"
+        set_slider(page, "walls", 4)
+        assert readout(page) == f"Walls with light: 1 of 4, up to 0.070 m wide. The benches, at 30°, {verdict()}"
         scale = page.locator("canvas").bounding_box()["height"] / 7.2
         drag(page, "The amber bench: drag it", -30, 40)
         poses[1, :2] += np.array([-30, -40]) / scale
         assert "overlap" in verdict()
-        assert readout(page) == f"Light on none of 4 walls. The benches, at 30°, {verdict()}"
+        assert readout(page) == f"Walls with light: none of 4. The benches, at 30°, {verdict()}"
         # A metre by the keyboard.
         for _ in range(2):
             page.get_by_role("button", name="The amber bench: drag it").press("Shift+ArrowUp")
         poses[1, 1] += 1
         assert "apart" in verdict()
         assert verdict() in readout(page)
-        set_slider(page, "walls", 1)
-        assert "Light on none of 1 walls." in readout(page)
 
 
 def test_grid_says_how_many_pairs_share_a_cell(visit):
@@ -271,6 +272,7 @@ def test_grid_says_how_many_pairs_share_a_cell(visit):
 def test_near_miss_shows_the_gap_and_the_false_hit_of_cut_coordinates(visit):
     with visit("near-miss") as found:
         page, march = found.page, March()
+        assert readout(page).endswith("First overlap until now: – s.")
         for decimals in (6, 3, 4):
             set_slider(page, "coordinates", decimals)
             for time in (406.8, 409.85, 412.2):
@@ -283,7 +285,7 @@ def test_near_miss_shows_the_gap_and_the_false_hit_of_cut_coordinates(visit):
                 said = f"gap to bench {bench} is {gap:.3f} mm" if gap > 0 else f"bench {bench} by {-gap:.3f} mm"
                 assert said in readout(page)
         set_slider(page, "coordinates", 3)
-        assert "First overlap on the chart: 409.79 s." in readout(page)
+        assert "First overlap until now: 409.79 s." in readout(page)
         # Half a second along the chart, which shows 7.6 s.
         width = page.locator("canvas").bounding_box()["width"] - 74
         set_slider(page, "time", 409.5)
@@ -297,6 +299,8 @@ def test_missed_window_says_which_contact_a_step_misses(visit):
         times = np.linspace(409.7, 410, 30_001)
         outlines = march.dragon.outlines(march.at(times, 17).poses)
         touched = np.ptp(times[(separation(outlines[:, :1], outlines[:, 2:]).distance <= 0).any(axis=1)])
+        assert readout(page) == "The samples find the head in bench 8 at 413.000 s. "
+        drag(page, "The time: drag it", page.locator("canvas").bounding_box()["width"], 0)
         # 1 s, 0.5 s and 0.1 s.
         for index, step in ((0, 1.0), (-1, 0.5), (-3, 0.1)):
             set_slider(page, "a sample every", index)
@@ -352,18 +356,19 @@ def test_u_turn_says_how_long_the_arcs_are(visit):
         def arcs(ratio):
             turn = UTurn(ratio=ratio)
             one, two = np.abs(turn.sweeps) * turn.radii
-            return f"{one:.3f} m + {two:.3f} m = {turn.length:.3f} m"
+            return f"{one:.2f} + {two:.2f} = {turn.length:.2f} m"
 
-        assert readout(page) == f"The contest's arcs: {arcs(2)}. Yours: {arcs(1)}."
+        assert readout(page).endswith("yours 0.00 + 0.00 = 0.00 m.")
+        set_slider(page, "time", 14)
+        assert readout(page) == f"Walked on the two arcs: the contest's {arcs(2)}, yours {arcs(1)}."
         box = page.get_by_role("button", name="The point where your arcs meet").bounding_box()
         start = np.array([box["x"], box["y"]]) + 22
         scale = page.locator("canvas").bounding_box()["width"] / 11.6
         # With a finger, 1.2 m towards the exit: 1 - 2 / 4.5 is the share of the first arc.
         way = -1.2 * UTurn().tangent_points[0] / 4.5 * scale * (1, -1)
         finger(page, start, start + way)
-        assert f"Yours: {arcs((1 + 1.2 / 4.5) / (1 - 1.2 / 4.5))}." in readout(page)
+        assert f"yours {arcs((1 + 1.2 / 4.5) / (1 - 1.2 / 4.5))}." in readout(page)
         # Handle 1 is pushed back where the second arc is narrower than the head's bench, as at a ratio of 7 to 3.
-        set_slider(page, "time", 14)
         for _ in range(13):
             page.get_by_role("button", name="The point where your arcs meet").press("ArrowLeft")
         march = March(Dragon(benches=30), UTurn(ratio=(1 + 1.2 / 4.5 + 0.26) / (1 - 1.2 / 4.5 - 0.26)))
@@ -374,6 +379,8 @@ def test_u_turn_says_how_long_the_arcs_are(visit):
 def test_speed_limit_says_who_is_fastest(visit):
     with visit("speed-limit") as found:
         page = found.page
+        assert readout(page).endswith("In the whole turn: –.")
+        set_slider(page, "way of the head", 24)
         for ratio in (2.0, 1.0):
             set_slider(page, "ratio of the radii", ratio)
             largest = max_speed(limit=2.0, ratio=ratio)

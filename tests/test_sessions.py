@@ -33,9 +33,9 @@ from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.sessions import live
-from pymunk_dragon.sessions.messages import ACTIONS
 from pymunk_dragon.sessions.ready import dragon, ready
 from pymunk_dragon.sessions.recording import Log, record
+from pymunk_dragon.sessions.session import ACTIONS
 
 SHORT = March(Dragon(benches=20))
 
@@ -106,6 +106,21 @@ def test_replay_of_a_saved_session_ends_in_the_same_state_to_the_bit_and_reset_u
     step, message = read.inputs[1]
     read.inputs[1] = step, {**message, "x": message["x"] + 1e-6}
     assert replayed(read)[0] != log.poses
+
+
+def test_head_at_the_end_of_its_path_stays_there():
+    march = March(Dragon(benches=6), Line(start=(-30.0, 0.0), stop=(3.0, 0.0)), start_s=32.0)
+    with played(dragon(march)) as on:
+        on.do("obstacle", shape="square", x=2.5, y=0.1, size=1.0)
+        on.do("contacts", value="report")
+        while "the head is at the end of its path" not in on.events:
+            assert on.step(100)
+        # The engine's head may be a little ahead.
+        next(iter(on.scene.space.bodies)).position += 0.01, 0.0
+        for _ in range(20):
+            assert on.step(1) == 1
+        assert on.errors == []
+        assert on.frame().march_time == pytest.approx(march.end, abs=0.02)
 
 
 def test_replay_goes_on_where_the_recorded_session_paused_at_a_contact():

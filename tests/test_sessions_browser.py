@@ -29,14 +29,14 @@ PREFIX = "/user/x/proxy/8123/"
 # Where on the page a point of the world is.
 PLACE = """([x, y]) => {
   const { left, top } = document.getElementById("field").getBoundingClientRect();
-  const [px, py] = live.pixel(x, y);
+  const [px, py] = live.view.toScreen(x, y);
   return [left + px, top + py];
 }"""
 
 # Whether the area of the scene is on the canvas, and neither behind the tools nor behind the buttons of the view.
 IN_SIGHT = """() => {
   const { centre: [x, y], size: [width, height] } = live.scene.field;
-  const corners = [[-1, -1], [1, 1]].map(([a, b]) => live.pixel(x + a * width / 2, y + b * height / 2));
+  const corners = [[-1, -1], [1, 1]].map(([a, b]) => live.view.toScreen(x + a * width / 2, y + b * height / 2));
   const [left, right] = corners.map(([px]) => px), [top, bottom] = corners.map(([, py]) => py).sort((a, b) => a - b);
   const box = (id) => document.getElementById(id).getBoundingClientRect();
   const field = box("field"), tools = box("toolbox"), zoom = box("zoom");

@@ -228,7 +228,7 @@ def test_body_that_is_dragged_in_jupyterlab_moves_in_python_and_a_picture_remain
 
         def place(x, y):
             box = frame.locator("#field").bounding_box()
-            px, py = frame.evaluate("([x, y]) => live.pixel(x, y)", [x, y])
+            px, py = frame.evaluate("([x, y]) => live.view.toScreen(x, y)", [x, y])
             return box["x"] + px, box["y"] + py
 
         page.mouse.move(*place(0, 0))

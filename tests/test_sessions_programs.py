@@ -73,6 +73,7 @@ def test_controls_reach_the_space_and_values_outlast_a_reset():
     controls = [
         Slider("gravity", 0, 2000),
         Slider("links", 1, 9, rebuilds=True),
+        Slider("iterations", 1, 50),
         Slider("mass", 1, 50, 2, action=lambda space, value: setattr(balls(space)[0], "mass", value)),
         Button("Kick", lambda space: balls(space)[0].apply_impulse_at_local_point((0, -500))),
         Key("ArrowLeft", lambda space: pressed.append("down"), lambda space: pressed.append("up")),
@@ -82,7 +83,7 @@ def test_controls_reach_the_space_and_values_outlast_a_reset():
         assert {name: on.session.state()["values"][name] for name in ("gravity", "links", "mass")} == {
             "gravity": 900, "links": 3, "mass": 2,
         }  # fmt: skip
-        for name, value in (("gravity", 450.0), ("mass", 7.0)):
+        for name, value in (("gravity", 450.0), ("mass", 7.0), ("iterations", 20.0)):
             assert on.do("set", name=name, value=value) is None
         assert on.scene.space.gravity == (0, 450)
         assert balls(on.scene.space)[0].mass == 7
@@ -94,6 +95,7 @@ def test_controls_reach_the_space_and_values_outlast_a_reset():
         assert pressed == ["down", "up", "x"]
         assert on.do("set", name="links", value=5.0) is None
         assert (len(on.scene.joints()), on.scene.space.gravity) == (5, (0, 450))
+        assert (balls(on.scene.space)[0].mass, on.scene.space.iterations) == (7, 20)
         assert on.do("reset") is None
         assert (len(on.scene.joints()), on.session.state()["values"]["gravity"]) == (5, 450)
         assert_says(ValueError(on.do("set", name="links", value=2.5)), "links")

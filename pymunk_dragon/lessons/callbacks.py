@@ -1,21 +1,21 @@
 # %% [markdown] order=100 scene="callbacks" axes="step|impulse (N s)"
 # # Which events does a contact cause?
-# Pymunk reports contacts through callbacks: a program gives it functions, and it calls them. When does it call, what
-# does it know by then, and what becomes of an error in such a function?
+# At a contact Pymunk calls functions of your program. When does it call which, and what does it know by then?
 # ## Guess
-# A bench brushes another that lies still, and the function for `begin` raises an error.
+# A bench flies at another that lies still, and bounces off. There are four functions: `begin`, `pre_solve`,
+# `post_solve` and `separate`; the solver computes the impulse of a step.
 
 # %%
 import sys
 from typing import Any
 
 import pymunk
-from PIL import Image
+from PIL import Image, ImageDraw
 
 from pymunk_dragon import Dragon, March, PillowDrawOptions, simulate
 
-# One bench flies at another, each of 10 kg.
-space = pymunk.Space()
+# One bench flies at another, each of 10 kg; the calls are noted for the film.
+space, calls = pymunk.Space(), list[str]()
 for position, angle, velocity in [((-2.4, 1.7), -0.6, (2.5, -1)), ((0, 0), 0, (0, 0))]:
     body = pymunk.Body(mass=10, moment=5)
     body.position, body.angle, body.velocity = position, angle, velocity
@@ -25,8 +25,9 @@ for position, angle, velocity in [((-2.4, 1.7), -0.6, (2.5, -1)), ((0, 0), 0, (0
 
 
 def called(arbiter: pymunk.Arbiter, space: pymunk.Space, name: Any) -> None:
-    """Tell which call it is, in which step, and which impulse Pymunk knows of. `begin` fails."""
-    print(f"step {step}   impulse {arbiter.total_impulse.length:.2f} N s   {name}")
+    """Note which call it is, in which step, and which impulse Pymunk knows of. `begin` fails."""
+    calls.append(f"step {step}   impulse {arbiter.total_impulse.length:.2f} N s   {name}")
+    print(calls[-1])
     if name == "begin":
         raise ValueError("an error in begin")
 
@@ -42,13 +43,14 @@ usual, sys.unraisablehook = sys.unraisablehook, lambda lost: print(f"hook:    {l
 frames = []
 for step in range(70):  # noqa: B007  # `called` prints it.
     space.step(0.02)
-    frames.append(Image.new("RGB", (400, 300), "white"))
+    frames.append(Image.new("RGB", (400, 380), "white"))
     options = PillowDrawOptions(frames[-1], positive_y_is_up=True, line_width=2)
-    options.fit(pymunk.BB(-2.6, -1.2, 2.6, 2.0))
+    options.fit(pymunk.BB(-2.6, -2.9, 2.6, 2.04))
     space.debug_draw(options)
+    ImageDraw.Draw(frames[-1]).text((90, 230), "\n".join(calls), "black", font_size=14)
 sys.unraisablehook = usual
 print(f"afterwards the bench of {body.mass:.0f} kg goes at {body.velocity.length:.3f} m/s")
-frames[0].save("callbacks.gif", save_all=True, append_images=frames[1:], duration=60, loop=0)
+frames[0].save("callbacks.gif", save_all=True, append_images=frames[1:], duration=[60] * 69 + [4000], loop=0)
 
 # %%
 # A function of ours that fails as the dragon meets itself, called by `simulate`.
@@ -61,24 +63,25 @@ frames[40]
 # %% [markdown]
 # ## Answer
 # `begin` and `separate` come once, `pre_solve` and `post_solve` in every step between, and only `post_solve` knows the
-# impulse: before it one reads that of the step before. An error does not pass through the C code that calls back:
-# Python only reports it, and the benches go on as if nothing had been; so `simulate` keeps it and raises it when the
-# step is over.
+# impulse of its step: before it one reads that of the step before. In the program `begin` also raises an error,
+# which does not pass through the C code that calls back: Python only reports it, and the benches bounce as if nothing
+# had been. So `simulate` keeps such an error and raises it when the step is over.
 #
-# Which are called in every step?
+# Which are called in every step of the contact?
 # - `begin` and `separate`: the names of a beginning and an end, but nothing says what comes between.
 # - **`pre_solve` and `post_solve`**: in steps 40, 41 and 42.
-# - All four: the contact is there in each step, but `begin` and `separate` tell of changes.
+# - All four: the contact is there in each step, but `begin` and `separate` report changes only.
 #
-# What happens after the error?
-# - The program stops: so it does after an error in a function that a program of Python calls itself.
-# - The benches do not bounce: before Pymunk 7 the value that `begin` returned did decide on that.
-# - **All goes on as without it**: the bench that lay still leaves at 0.329 m/s.
+# Which one knows the impulse of the blow first?
+# - `begin`: the benches touch there, but nothing is computed yet, and it reads 0.
+# - `pre_solve`: it comes in the same step, but before the solver, as its name says.
+# - **`post_solve`**: in step 40 of the program 3.29 N s, and the bench that lay still leaves at 0.329 m/s.
+# - `separate`: only then the blow is over, but by then its impulse has been overwritten.
 # ## Check
 # The impulse of 3.29 N s is what sets the bench in motion: divide it by 10 kg, and compare the speed.
 # ## Try
-# Watch the events, then drag one bench against the other and hold it there: which events come once, and which again and
-# again? What is the impulse of a contact that lasts? What becomes of the error is in the program's output.
+# Watch which calls come once, which again and again, and with which impulse. Live: then drag one bench against the
+# other and hold it there. What is the impulse of a contact that lasts?
 # ## Change
 # Set `elasticity`, their bounce, to 0. Why is there less of an impulse, but more of the calls?
 # ## Teacher

@@ -3,21 +3,22 @@ stages.chain = (lab) => {
   const snap = 0.05; // m: a handle so close to a point of the spiral is put on it
   const time = lab.slider(["time", "时间"], { min: 0, max: 420, step: 1, value: 300, unit: "s", play: () => 10 });
   const bench = lab.slider(["handle to handle", "两把手间距"], { min: 1, max: 2.86, step: 0.01, value: 2.86, unit: "m" });
-  const { spiral, begin } = new March(), points = curvePoints(spiral, begin - 200, 0, 0.05);
+  const { spiral, begin } = new March(), points = curvePoints(spiral, begin - 200, 0, 0.05), found = new Set();
   let angle = 0.5, head, from, right, met, own, correct;
 
   const next = () => [from[0] + bench.value * Math.cos(angle), from[1] + bench.value * Math.sin(angle)];
   const apart = ([x, y], [otherX, otherY]) => Math.hypot(x - otherX, y - otherY);
+  const angleTo = ([x, y]) => Math.atan2(y - from[1], x - from[0]);
   const onSpiral = () => met.find((s) => apart(spiral.frame(s), next()) < snap);
   // Coordinates, from the outside in, at which the distance from handle 0 passes the bench.
   const meetings = () => {
-    const excess = (s) => apart(spiral.frame(s), from) - bench.value, found = [], theta = spiral.angle(head);
+    const excess = (s) => apart(spiral.frame(s), from) - bench.value, roots = [], theta = spiral.angle(head);
     for (let s = spiral.atAngle(theta + bench.value / spiral.k + 1), last = excess(s); s < 0; s += snap) {
       const here = excess(s + snap);
-      if (last * here < 0) found.push(rootBetween((at) => excess(at) * Math.sign(last), s, s + snap));
+      if (last * here < 0) roots.push(rootBetween((at) => excess(at) * Math.sign(last), s, s + snap));
       last = here;
     }
-    return found;
+    return roots;
   };
 
   lab.label = ["Handle 0 on the spiral, the circle about it, and the next handle", "螺线上的 0 号把手，以它为圆心的圆，和下一个把手"];
@@ -36,24 +37,27 @@ stages.chain = (lab) => {
     pane.benches(benchesBetween(makeDragon({ benches: 1, head: bench.value }), [from, next()]));
     const way = own ? curvePoints(spiral, Math.min(own, head), Math.max(own, head), 0.03) : [];
     pane.line(way, { colour: correct ? "tail" : "contact", width: 4 });
-    for (const s of met) pane.dot(spiral.frame(s), { colour: "quiet" });
+    for (const s of met.filter((each) => found.has(each))) pane.dot(spiral.frame(s), { colour: "quiet" });
     pane.dot(from, { radius: 6 });
     pane.text(from, lab.say(["handle 0, and its way ahead", "0 号把手及其前方的路"]), { dy: 18 });
   });
   lab.knob(["The next handle: drag it round the circle", "下一个把手：沿圆周拖动"], {
     at: next,
     moved: (point, way) => {
-      const angleTo = ([x, y]) => Math.atan2(y - from[1], x - from[0]);
+      const turned = (to) => Math.atan2(Math.sin(to - before), Math.cos(to - before)), before = angle;
       angle = way ? angle + 3 * snap / bench.value * way : angleTo(point);
       if (onSpiral()) angle = angleTo(spiral.frame(onSpiral()));
+      // The points between the angle before and that now.
+      const share = (s) => turned(angleTo(spiral.frame(s))) / turned(angle);
+      for (const s of met) if (share(s) >= 0 && share(s) < 1 + 1e-9) found.add(s);
     },
   });
   lab.readout = () => {
     const off = apart(spiral.frame(right), next()).toFixed(2), along = Math.abs(head - own).toFixed(correct ? 3 : 1);
     const [english, chinese] = !own ? [`Yours is not on the spiral, ${off} m off.`, `你的把手不在螺线上，差 ${off} m。`]
-      : correct ? [`Yours is right: ${along} m back along the path.`, `你的把手放对了：沿路径往回 ${along} m。`]
-      : own > head ? [`Yours is ahead by ${along} m of the path.`, `你的把手在前方，沿路径相距 ${along} m。`]
+      : own > head ? [`Yours is ${along} m ahead along the path.`, `你的把手在前方，沿路径 ${along} m。`]
       : [`Yours is ${along} m back along the path, ${off} m off.`, `你的把手沿路径往回 ${along} m，差 ${off} m。`];
-    return [`The circle meets the spiral ${met.length} times. ${english}`, `圆与螺线有 ${met.length} 个交点。${chinese}`];
+    const n = met.filter((each) => found.has(each)).length;
+    return [`Points of the spiral found on the circle: ${n}. ${english}`, `圆上已找到 ${n} 个交点。${chinese}`];
   };
 };

@@ -67,8 +67,8 @@ plt.savefig("chain.png", bbox_inches="tight")
 # The arc, 2.900 m: the path is nearly a circle of the radius $R = (4.992 + 5.043) / 2$ m, and the arc over a chord of
 # 2.86 m is $2 R \arcsin(2.86 / (2 R))$, with the arcsine in radians.
 # ## Try
-# Drag the next handle to where you expect it: how large is your error? Change the time until handle 0 is near the
-# centre, and try again. Find a second point on the spiral at the right distance: why is it not the next handle?
+# Drag the next handle to where you expect it: how large is your error? Then drag it once round the circle: how many of
+# its points lie on the spiral, and why is only one of them the next handle? Try again with handle 0 near the centre.
 # ## Change
 # Set `bench` to 1.65, as of all benches but the head: how many points are there, and how much longer is the arc? Then
 # put it back and set `t` to 400: now the centre lies within the circle, and the number is odd. Why?

@@ -1,7 +1,7 @@
 // The size of the cells, and a bench to pick: which benches share a cell with it?
 stages.grid = (lab) => {
   const contact = 412.473837, corner = 8.8; // s: the head meets bench 8; m: upper left corner of the grid
-  const cell = lab.slider(["size of a cell", "格子的边长"], { min: 0.1, max: 4, step: 0.05, value: 0.55, unit: "m" });
+  const cell = lab.slider(["size of a cell", "格子的边长"], { min: 0.1, max: 4, step: 0.05, value: 4, unit: "m" });
   const count = lab.slider(["benches", "板凳数"], { min: 16, max: 223, step: 1, value: 223 });
   const handles = new March().chain(contact).points;
   let picked = 8, benches, grid, filed, partners;

@@ -60,8 +60,7 @@ plt.savefig("grid.png", bbox_inches="tight")
 # How many of the 24,531 pairs are left?
 # - About 5: so few do nearly touch, but a cell is filed with all that is within half a metre.
 # - **About 500**: 546 pairs.
-# - About 5,000: as if a bench came near to a fifth of all others; it meets those of its own turn and of the two beside
-#   it.
+# - About 5,000: as if a bench came near to a fifth of all others; it meets only those of three turns.
 # ## Check
 # The walk takes 6 cells: the first, and one more for each grid line that the edge crosses. Between columns 17.568 and
 # 20.501 there are the lines 18, 19 and 20, and between rows 11.130 and 13.850 the lines 12 and 13.

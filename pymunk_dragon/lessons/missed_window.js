@@ -2,9 +2,9 @@
 stages["missed-window"] = (lab) => {
   const [begin, end] = [405, 413]; // s
   const step = lab.slider(["a sample every", "采样间隔"], { min: -9, max: 1, step: 1, value: 0, show: roundSeconds });
-  const width = lab.slider(["width", "板凳宽度"], { min: 300, max: 301.5, step: 0.01, value: 301, unit: "mm" });
+  const width = lab.slider(["width", "板凳宽度"], { min: 300.9, max: 301.1, step: 0.001, value: 301, unit: "mm" });
   const zoom = lab.slider(["zoom", "放大"], { min: 0, max: 1.6, step: 0.02, value: 0, show: magnification });
-  const time = { value: 409.2 };
+  const time = { value: begin };
   let march, touching, length;
 
   const gap = (t) => march.gap(t);
@@ -24,7 +24,7 @@ stages["missed-window"] = (lab) => {
   const size = () => 5 / 10 ** (2 * zoom.value), benchesAt = (...given) => march.benches(...given);
   const now = gapPanes(lab, { time, size, benchesAt, view, draw: (pane) => {
     const [from, to] = view().across, fine = (end - begin) / 128 / 2 ** Math.round(zoom.value / Math.log10(2));
-    pane.line(points(fine, [from - fine, to + fine]), { colour: "body", width: 2 });
+    pane.line(points(fine, [from - fine, Math.min(to + fine, now.seen)]), { colour: "body", width: 2 });
     const samples = to - from < 100 * length ? points(length, [from, to]) : [];
     for (const sample of samples) pane.dot(sample, { colour: sample[1] > 0 ? "text" : "contact" });
   } });
@@ -47,7 +47,7 @@ stages["missed-window"] = (lab) => {
     const found = touching.find((each) => sampled(each) <= each.to);
     const t = sampled(found).toFixed(3), missed = found === touching[0] ? null : touching[0];
     const long = missed && (missed.to - missed.from).toFixed(3);
-    const [english, chinese] = !missed ? ["No contact was missed.", "没有漏掉接触。"]
+    const [english, chinese] = missed?.to > now.seen ? ["", ""] : !missed ? ["No contact was missed.", "没有漏掉接触。"]
       : [`Missed: bench ${missed.bench}, touched for ${long} s.`, `漏掉了与 ${missed.bench} 号板凳的接触，历时 ${long} s。`];
     return [
       `The samples find the head in bench ${found.bench} at ${t} s. ${english}`,

@@ -10,31 +10,32 @@ stages["near-miss"] = (lab) => {
   });
   const zoom = lab.slider(["zoom", "放大"], { min: 0, max: 3.2, step: 0.1, value: 0, show: magnification });
   const march = new March({ benches: 60 });
-  let cutTo, gaps;
+  let cutTo, scale, gaps;
 
-  const cut = (value) => (cutTo === exact ? value : Math.trunc(value * 10 ** cutTo) / 10 ** cutTo);
+  const cut = (value) => (cutTo === exact ? value : Math.trunc(value * scale) / scale);
   const benchesAt = (t, handles) =>
     benchesBetween(march.dragon, march.chain(t, handles).points.map((point) => point.map(cut)));
+  const upToNow = () => gaps.filter(([t]) => t < now.seen + 1e-9);
   const view = () => ({
     across: [begin, end], up: [-8, 30], name: ["gap of the head (mm) by the time (s)", "龙头的空隙 (mm) 随时间 (s) 的变化"],
   });
   const now = gapPanes(lab, { time, size: () => 5 / 10 ** zoom.value, benchesAt, view, draw: (pane) => {
-    pane.line(gaps, { colour: "body", width: 2 });
-    for (const hit of gaps.filter(([, gap]) => gap <= 0)) pane.dot(hit, { colour: "contact", radius: 3 });
+    pane.line(upToNow(), { colour: "body", width: 2 });
+    for (const hit of upToNow().filter(([, gap]) => gap <= 0)) pane.dot(hit, { colour: "contact", radius: 3 });
   } });
   lab.label = ["The head and the benches that it passes; below, its gap", "龙头和它经过的板凳；下方是空隙"];
   lab.update = () => {
     if (cutTo !== decimals.value) {
-      cutTo = decimals.value;
+      [cutTo, scale] = [decimals.value, 10 ** decimals.value];
       gaps = range(begin, end, 760).map((t) => [t, 1000 * benchesAt(t, 14).nearest(0).gap]);
     }
     now.update();
   };
   lab.readout = () => {
     const { bench, gap } = now, size = Math.abs(1000 * gap).toFixed(3);
-    const [t, first] = [time.value, gaps.find((each) => each[1] <= 0)[0]].map((each) => `${each.toFixed(2)} s`);
+    const t = time.value.toFixed(2), first = upToNow().find((each) => each[1] <= 0)?.[0].toFixed(2) ?? "–";
     const [english, chinese] = gap > 0 ? [`the gap to bench ${bench} is ${size} mm`, `与 ${bench} 号板凳的空隙为 ${size} mm`]
       : [`the head overlaps bench ${bench} by ${size} mm`, `龙头与 ${bench} 号板凳重叠 ${size} mm`];
-    return [`${t}: ${english}. First overlap on the chart: ${first}.`, `${t}：${chinese}。图上第一次重叠：${first}。`];
+    return [`${t} s: ${english}. First overlap until now: ${first} s.`, `${t} s：${chinese}。至此第一次重叠：${first} s。`];
   };
 };

@@ -4,8 +4,8 @@
 # 11 at 409.8 s, to bench 8 at 412.5 s. A bench is 300 mm wide. Which one does it touch first, and how exact must a
 # program be to find that out?
 # ## Guess
-# Beside the exact model, three other programs compute the march: one checks every 10 s, one cuts positions to whole
-# millimetres, and one is a physics engine that takes long steps.
+# Two programs take short cuts. One checks at 400 s, 410 s and so on whether benches overlap, and traces an overlap back
+# to its beginning. The other one cuts the coordinates of all handles to whole millimetres.
 
 # %%
 import matplotlib.pyplot as plt
@@ -42,8 +42,9 @@ for name, run in (("careful engine", simulate(march, start=398)), ("coarse engin
 # %%
 # For the check: where the head's rear left corner and two handles are at the last near miss.
 state = march.at(miss.time)
-for name, (x, y) in zip("CAB", (march.dragon.outlines(state.poses)[0, 0, 3], *state.positions[0, 11:13]), strict=True):
-    print(f"{name} ({x:.6f}, {y:.6f}) m")
+points = march.dragon.outlines(state.poses)[0, 0, 3], *state.positions[0, 11:13]
+for name, (x, y) in zip(("C, corner of the head", "A, handle 11", "B, handle 12"), points, strict=True):
+    print(f"{name:22}({x:.6f}, {y:.6f}) m")
 
 poses = march.at(times, handles=17).poses
 gaps = separation(march.dragon.outlines(poses)[:, :1], march.dragon.outlines(poses)[:, 2:]).distance.min(axis=1)
@@ -57,30 +58,30 @@ plt.savefig("near-miss.png", bbox_inches="tight")
 # %% [markdown]
 # ## Answer
 # The head passes bench 9 with 3.0 mm and bench 11 with 0.9 mm to spare, hardly more than a bank card is thick, and runs
-# into bench 8 at 412.474 s. Positions that are cut to 1 mm let it hit bench 11 at 409.712 s, and the coarse engine,
-# whose joints come loose, lets benches 200 and 203 meet at 401.6 s: collisions that never happen.
+# into bench 8 at 412.474 s. Coordinates that are cut to 1 mm let it hit bench 11 at 409.712 s, a collision that never
+# happens. The program also lets Pymunk march: with care it finds bench 8, but with one iteration in steps of
+# 0.1 s its joints come loose, and benches 200 and 203 meet at 401.6 s.
 #
 # Which bench does the head touch first?
 # - Bench 9: it comes first, and in a film a gap of 3 mm cannot be seen.
 # - Bench 11: with 0.9 mm it is so close that a millimetre more or less decides.
 # - **Bench 8**: at 412.474 s, after 3.0 mm to bench 9 and 0.9 mm to bench 11.
 #
-# Which of the three programs find it?
-# - All of them: a millimetre seems little on benches of two metres, but the gap is smaller.
-# - Only the engine: it knows forces and contacts, but its joints are only as exact as its steps.
-# - **Only the one that checks every 10 s**: here it has luck, as it computes positions exactly, and traces what it
-#   finds back to its beginning.
+# Which of the two programs find it?
+# - Both: a millimetre seems little on benches of two metres, but the gap is smaller.
+# - Only the one that cuts coordinates: ten seconds seem far too long, but here nothing else touches in between.
+# - **Only the one that checks every 10 s**: at 410 s there is a gap, and what it finds at 420 s began at 412.474 s.
+# - Neither: both are coarse, but a coarse step does harm only if it skips a whole contact.
 # ## Check
 # The gap to bench 11 is 0.865 mm: $C$ is the head's rear left corner then, $A$ and $B$ are handles 11 and 12, on the
 # middle line of bench 11. Subtract $(y_B - y_A)(x_C - x_A)$ from $(x_B - x_A)(y_C - y_A)$, and divide by 1.65 m: but
 # for its sign, this is the distance of $C$ from that line. Take off half a width, 0.15 m.
 # ## Try
-# Go to each of the three times, zoom in and read the gap. Then cut the coordinates, to hundredths of a millimetre at
-# first: from where on does a false contact appear on the chart, which has a value every 10 ms, and at which bench? What
-# does a check at 410 s see? What the engine finds is in the program's output.
+# Go to each of the three times, zoom in and read the gap; the chart has it every 10 ms, up to where you have been. What
+# does a check at 410 s see, and what has touched before the next one? Then cut the coordinates, to hundredths of a
+# millimetre at first: from where on does a false contact appear, and at which bench?
 # ## Change
-# Set `iterations` of the coarse engine to 2, 5 or 60, or `substep` to 0.05: how little work is enough for the right
-# benches, and for the right time?
+# Set the coarse engine's `iterations` to 2, 5 or 60, or its `substep` to 0.05: how little work finds the right benches?
 # ## Teacher
 # - From grade 10; distance of a point from a line. 45 minutes: 5 to guess, 25 on the stage, 15 to compare.
 # - Goal: less than a millimetre decides between a contact and none, so a result needs a bound on its error.

@@ -3,8 +3,7 @@
 # The head starts on turn 16 of the spiral and shall come to 4.5 m from its centre, without any bench touching another.
 # With turns 0.55 m apart that is easy. How small may this pitch be, if benches are 0.30 m wide?
 # ## Guess
-# One program proves its answer. Another one checks once a second whether benches overlap, and narrows the pitch down
-# with that.
+# One program proves its answer. Another checks once a second for benches that overlap, and narrows the pitch by that.
 
 # %%
 import matplotlib.pyplot as plt
@@ -56,8 +55,7 @@ plt.savefig("pitch.png", bbox_inches="tight")
 #
 # How small may the pitch be?
 # - 0.31 m: so little would be enough on a straight line.
-# - 0.38 m: a little more for straight benches on round turns; but the head is 3.41 m long, and needs more than a
-#   little.
+# - 0.38 m: a little more for straight benches on round turns; but the head is 3.41 m long and needs more.
 # - **0.45 m**: 0.45034 m.
 #
 # The pitch found with a check each second is ...

@@ -52,8 +52,7 @@ run
 # %% [markdown]
 # ## Answer
 # No joint is more than some 3 % faster or slower than the tip: both ends of a link go equally fast along it, so the
-# faster one is the one that goes more across it. But after 8.67 s the tip runs into link 13, so this arm cannot follow
-# this path.
+# faster one goes more across it. But after 8.67 s the tip runs into link 13: this arm cannot follow this path.
 #
 # In a bend, how fast is a joint compared with the tip?
 # - Half as fast: on the inside of a bend the way is shorter, but all joints go the same way.
@@ -64,10 +63,9 @@ run
 # - Yes: a point would get past, but links have a width.
 # - **No**: it meets link 13 after 8.67 s.
 # ## Check
-# The slowest speed of 0.194 m/s: it is printed where that joint was 0.1 s before and 0.1 s after. Divide the distance
-# between the two positions by 0.2 s.
+# The slowest speed, 0.194 m/s: see where that joint was 0.1 s before and after, and divide the distance by 0.2 s.
 # ## Try
-# Draw a path on which the arm gets to the end, and one on which it does not. How narrow may a bend be?
+# Let the time run, then draw a path on which the arm gets to the end, and one that it blocks. How narrow may a bend be?
 # ## Change
 # Let `points` end in (0.1, 0.05), (0.2, 0), and the tip slips past. The documentation of scenario files (`make docs`)
 # describes the file that holds a dragon and its curve, for a path of your own.

@@ -2,7 +2,7 @@
 stages.sat = (lab) => {
   const near = 2.3, apart = 0.28, half = 2.2; // m from the centre to the walls, between them, half their lengths
   const farthest = 1.2, hole = 0.825; // m from the centre to the benches', and from there to their holes
-  const count = lab.slider(["walls", "墙的面数"], { min: 1, max: 5, step: 1, value: 4 });
+  const count = lab.slider(["walls", "墙的面数"], { min: 1, max: 5, step: 1, value: 1 });
   const poses = [[-0.8, -0.45, 0], [0.8, 0.45, Math.PI / 6]]; // x, y, angle
   let own = 0.8, benches, walls;
 
@@ -58,8 +58,8 @@ stages.sat = (lab) => {
     const lights = walls.flatMap(({ light }) => (light ? [light[1] - light[0]] : []));
     const n = lights.length, all = count.value, distance = benches.gap(0, 1).gap;
     const [size, most] = [Math.abs(distance), Math.max(...lights)].map((each) => each.toFixed(3));
-    const lit = n === 0 ? [`Light on none of ${all} walls.`, `${all} 面墙上都没有光。`]
-      : [`Light on ${n} of ${all} walls, up to ${most} m wide.`, `${all} 面墙中 ${n} 面有光，最宽 ${most} m。`];
+    const lit = n === 0 ? [`Walls with light: none of ${all}.`, `${all} 面墙上都没有光。`]
+      : [`Walls with light: ${n} of ${all}, up to ${most} m wide.`, `${all} 面墙中 ${n} 面有光，最宽 ${most} m。`];
     const turned = Math.round((poses[1][2] - poses[0][2]) / Math.PI * 180 + 720) % 180;
     const verdict = distance > 0 ? [`are ${size} m apart`, `相距 ${size} m`] : [`overlap by ${size} m`, `重叠 ${size} m`];
     return [`${lit[0]} The benches, at ${turned}°, ${verdict[0]}.`, `${lit[1]}两节板凳成 ${turned}°，${verdict[1]}。`];

@@ -3,8 +3,7 @@
 # Two benches are rectangles, 2.20 m long and 0.30 m wide, at any angle to each other. How does a program find out, from
 # nothing but their corners, whether they touch?
 # ## Guess
-# Shine a lamp on both, and look at their shadows on the wall behind. If there is light between the shadows, the benches
-# are apart.
+# A lamp shines on both from far away. If there is light between their shadows on a wall, the benches are apart.
 
 # %%
 import matplotlib.pyplot as plt
@@ -61,12 +60,12 @@ plt.savefig("sat.png", bbox_inches="tight")
 # The gap at 30 degrees, 0.0701 m: the middle of B is 0.90 m above that of A; take off half the width of A, 0.15 m, and
 # half the shadow of B, $1.10 \sin 30^\circ + 0.15 \cos 30^\circ$.
 # ## Try
-# Drag and turn the benches. Find a position with light on only one wall, one with light on all four, and one in which
-# they touch: how many walls have light just before? With fewer walls, where is the verdict wrong?
+# Drag and turn the benches, and add walls. With how many walls can the benches be apart without light on any of them?
+# With enough of them: how many have light just before the benches touch, and does a fifth wall ever tell more?
 # ## Change
 # Let `gaps` return `np.maximum(...)[:2]`, without the axes of B: at which angle is the verdict wrong?
 # ## Teacher
 # - From grade 9; rectangles, sine and cosine. 40 minutes: 5 to guess, 20 on the stage, 15 to compare.
 # - Goal: two convex polygons are disjoint exactly if their projections on the normal of one of their edges are.
-# - Try: just before they touch there is light on one wall (two if parallel). Two walls miss gaps on the others.
+# - Try: with three or fewer. Just before they touch, one of four walls has light (two if parallel). A fifth is useless.
 # - Mistakes: an overlap of the shadows in one direction is taken for a contact; x and y are taken to be enough.

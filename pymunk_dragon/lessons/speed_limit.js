@@ -8,7 +8,7 @@ stages["speed-limit"] = (lab) => {
   const speed = lab.slider(["speed of the head", "龙头速度"], { min: 1, max: 2, step: 0.001, value: 2, show });
   const ratio = lab.slider(["ratio of the radii", "半径之比"], { min: 0.5, max: 2.1, step: 0.1, value: 2 });
   const dragon = makeDragon();
-  let shown, curve, points, profile, most, chain, speeds, fastest;
+  let shown, curve, points, profile, peak, most, chain, speeds, fastest, seen = from;
 
   const largest = (s) => Math.max(...chainAt(curve, dragon, s, followed).ratios.map(Math.abs));
   lab.label = ["The dragon, red where it is too fast; below, the speed of the fastest handle", "板凳龙，红色处超速；下方是最快的把手的速度"];
@@ -17,9 +17,10 @@ stages["speed-limit"] = (lab) => {
       [shown, curve] = [ratio.value, new UTurn({ ratio: ratio.value })];
       points = curvePoints(curve, -60, 74);
       profile = range(from, until, 500).map((s) => [s, largest(s)]);
-      const [top] = smallestOf(profile, ([, times]) => -times);
-      most = largest(minimumBetween((s) => -largest(s), top - 0.05, top + 0.05));
+      [peak] = smallestOf(profile, ([, times]) => -times);
+      most = largest(minimumBetween((s) => -largest(s), peak - 0.05, peak + 0.05));
     }
+    seen = Math.max(seen, way.value);
     chain = chainAt(curve, dragon, way.value);
     speeds = chain.ratios.map((each) => speed.value * Math.abs(each));
     fastest = speeds.findIndex((each) => each > Math.max(...speeds) - 1e-9);
@@ -37,7 +38,7 @@ stages["speed-limit"] = (lab) => {
     name: ["fastest handle (m/s) by the head's way (m)", "最快的把手 (m/s) 随龙头路程 (m) 的变化"],
   }), (pane) => {
     pane.line([[from, limit], [until, limit]], { colour: "contact", width: 2, dash: [6, 4] });
-    pane.line(profile.map(([s, times]) => [s, times * speed.value]), { colour: "body", width: 2 });
+    pane.line(profile.map(([s, times]) => [s, s > seen ? NaN : times * speed.value]), { colour: "body", width: 2 });
   });
   lab.knob(["The head's way: drag it along the chart", "龙头的路程：沿图表拖动"], {
     pane: chart, step: 0.1,
@@ -45,7 +46,7 @@ stages["speed-limit"] = (lab) => {
     moved: ([s]) => { way.value = s; },
   });
   lab.readout = () => {
-    const [now, top] = [speeds[fastest], most * speed.value].map(show);
+    const now = show(speeds[fastest]), top = seen < peak ? "–" : show(most * speed.value);
     const times = (speeds[fastest] / speed.value).toFixed(3);
     return [
       `The fastest now: handle ${fastest}, ${now}, ${times} times the head's speed. In the whole turn: ${top}.`,

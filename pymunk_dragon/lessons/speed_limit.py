@@ -43,15 +43,15 @@ plt.savefig("speed-limit.png", bbox_inches="tight")
 
 # %% [markdown]
 # ## Answer
-# Handles 3 to 7 are 1.605 times as fast as the head, so 1.246 m/s is all that it may go: it has just left the narrow
-# arc while handle 1 is still on it, so the path crosses the head bench at 46 degrees in front and at 63 degrees behind.
-# Both handles are equally fast along the rigid bench, so the rear one has to be 1.55 times as fast, and bench 2, which
-# lies across the point where both arcs meet, adds another 3 percent.
+# Handles 3 to 7 get 1.605 times as fast as the head, so 1.246 m/s is all that it may go. Then the head has just left
+# the narrow arc while handle 1 is still on it, so the path crosses the head bench at 46 degrees in front and at 63
+# degrees behind. Both handles are equally fast along the rigid bench, so the rear one has to be 1.55 times as fast, and
+# bench 2, which lies across the point where both arcs meet, adds another 3 percent.
 #
 # Who has to run fastest?
 # - The head: it leads, but those behind it have to make good for the angles of their benches.
 # - **Somebody close behind it**: handles 3 to 7.
-# - The tail: at the end of a whip the tip is the fastest, but this tail is still on the wide spiral.
+# - The tail: it is the tip of a whip, and 1.58 times as fast as the head; but a little is lost from bench to bench.
 #
 # How fast may the head go?
 # - 2 m/s: if all went as fast as the head.
@@ -61,8 +61,7 @@ plt.savefig("speed-limit.png", bbox_inches="tight")
 # The ratio of 1.605: type $\cos 46.0060^\circ / \cos 63.4555^\circ$ times $\cos 4.7067^\circ / \cos 15.1517^\circ$ into
 # a calculator that reckons in degrees. Bench 1 adds nothing: it is a chord of one arc, which meets it at equal angles.
 # ## Try
-# Move the head through the turn, and find where a handle is fastest: on which arcs are head and handle then? Lower the
-# head's speed until nobody exceeds 2 m/s.
+# Move the head to where a handle is fastest: on which arcs are they then? Slow the head until nobody exceeds 2 m/s.
 # ## Change
 # Set `ratio` to 1.0, two equal arcs: how fast may the head go now, and where is it when the speed is largest?
 # ## Teacher

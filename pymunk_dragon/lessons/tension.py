@@ -67,14 +67,14 @@ plt.savefig("tension.png", bbox_inches="tight")
 #
 # And on ice?
 # - Again the first: it still has the most benches behind it, but nothing drags at them.
-# - All carry the same force: so it would be with a massless rope and a load at its end.
+# - All carry the same force: so it would be with a massless rope and a load that drags at its end.
 # - **None carries any**: at a steady speed on ice there is no force along the chain.
 # ## Check
 # The drag on a bench at 1 m/s is $10 \ln 2 = 6.93$ N, so 24 of them take 166.4 N. The engine has 6.91 N and 165.8 N: in
 # a step of 0.01 s it takes a part $1 - 0.5^{0.01}$ of 1 m/s, a little less than $0.01 \ln 2$, as the speed falls in it.
 # ## Try
-# Set "Benches" to 24, and read "Force by joint": where is the force largest? Then take 12 dancers, and no drag, as on
-# ice. Pull at a bench. Which joint would you cut to relieve most of the others?
+# Recorded: read the force in the first joint, in all three cases. Live: set "Benches" to 24, see "Force by joint",
+# take 12 dancers, then no drag, as on ice. Pull at a bench. Which joint would you cut to relieve most of the others?
 # ## Change
 # Set `STEP` to 0.1 and to 0.001: how does the engine's drag come near to the continuous one? Then give every bench a
 # dancer, `list(range(1, BENCHES + 1))`.

@@ -37,15 +37,15 @@ stages["u-turn"] = (lab) => {
     },
   });
   lab.readout = () => {
-    const sum = ({ lengths, length }) => {
-      const [one, two, all] = [...lengths, length].map((each) => `${each.toFixed(3)} m`);
-      return `${one} + ${two} = ${all}`;
+    const sum = ({ lengths: [first, second] }) => { // what the head has walked
+      const one = bounded(time.value, 0, first), two = bounded(time.value - first, 0, second);
+      return [one, two].map((each) => each.toFixed(2)).join(" + ") + ` = ${(one + two).toFixed(2)} m`;
     };
     const [english, chinese] = time.value < jam ? ["", ""]
       : [" But your head's bench would push its rear handle back.", "但是你的龙头会把后把手往回推。"];
     return [
-      `The contest's arcs: ${sum(contest)}. Yours: ${sum(own)}.${english}`,
-      `竞赛题的圆弧：${sum(contest)}。你的：${sum(own)}。${chinese}`,
+      `Walked on the two arcs: the contest's ${sum(contest)}, yours ${sum(own)}.${english}`,
+      `两段弧上走过的路：竞赛题 ${sum(contest)}，你的 ${sum(own)}。${chinese}`,
     ];
   };
 };

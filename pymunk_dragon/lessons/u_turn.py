@@ -41,7 +41,8 @@ plt.savefig("u-turn.png", bbox_inches="tight")
 # is half the angle of an arc. So an arc is $a / \sin a$ times as long as its chord, both chords together are 9 m, and
 # the length is $9 a / \sin a$.
 # ## Try
-# Drag the point at which your arcs meet: what becomes of their lengths, and of the sum? Who is out of the circle first?
+# Let the time run until both heads are out of the circle: who was first, and how far did each walk on its arcs? Then
+# drag the point at which your arcs meet: what becomes of the two lengths, and of the sum?
 # ## Change
 # Set `pitch` to 0.5 and to 5: does the length still not depend on the ratio?
 # ## Teacher

@@ -26,8 +26,8 @@ for name, run in [("with   ", guided), ("without", alone)]:
     for what, far in [("from middle", end), ("from start ", end - begin)]:
         print(f"{name} {what}" + "".join(f"{np.hypot(*far[bench]):7.2f}" for bench in some) + " m")
 
-headings = ("with dancers", "without dancers")
-render([guided, alone], "unguided.gif", headings=headings, speedup=3, size=(260, 290))
+# A with dancers, B without.
+render([guided, alone], "unguided.gif", headings=("A", "B"), legend=False, speedup=3, size=(260, 290))
 alone
 
 # %% [markdown]
@@ -50,8 +50,8 @@ alone
 # The head is 8.69 m from the middle both times, so it is not to blame. It has gone 10.9 m in a lane 0.55 m wide, which
 # is the ring from 8.8 m in to its own distance $r$: $\pi (8.8^2 - r^2) = 0.55 \cdot 10.9$.
 # ## Try
-# Press "Let all go", and watch which benches meet, and when. Start again, choose the tool "Let go" and tap a bench:
-# only its dancers and those behind it let go. Does that go well for longer?
+# Recorded: the dancers of A hold on, those of B let go. Live: press "Let all go": which benches meet, and when? Start
+# again, choose the tool "Let go" and tap a bench: its dancers and those behind it let go. Is that better?
 # ## Change
 # Make it a short dragon: `Dragon(benches=20)`, and `some = [0, 4, 8, 16]`. Whom does the head meet now?
 # ## Teacher

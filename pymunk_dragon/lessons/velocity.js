@@ -1,6 +1,6 @@
 // Drag the time step: how wrong is a speed from two positions, and how fast is the tail?
 stages.velocity = (lab) => {
-  const time = lab.slider(["time", "时间"], { min: 0, max: 412, step: 1, value: 300, unit: "s", play: () => 10 });
+  const time = lab.slider(["time", "时间"], { min: 0, max: 412, step: 1, value: 0, unit: "s", play: () => 10 });
   const show = (exponent, unit = Math.ceil(-exponent / 3)) =>
     `${Number((10 ** (exponent + 3 * unit)).toPrecision(2))} ${["s", "ms", "µs", "ns", "ps"][unit]}`;
   const step = lab.slider(["time step", "时间步长"], { min: -10, max: 0, step: 0.1, value: 0, show });

@@ -52,14 +52,14 @@ plt.savefig("velocity.png", bbox_inches="tight")
 #
 # Which time step gives the smallest error?
 # - 1 s: a long way can be measured well, but meanwhile the speed changes.
-# - **10 microseconds**: with shorter steps rounding takes over.
+# - **Some tens of microseconds**: with shorter steps rounding takes over.
 # - The shorter, the better: so it is in mathematics, where numbers have all their digits.
 # ## Check
 # Handle 1's speed, 0.999709 m/s: type $\cos 16.5892^\circ / \cos 16.5332^\circ$ into a calculator that reckons in
 # degrees. The paper's table 2 has 0.999, as it cuts off what follows.
 # ## Try
-# Make the time step shorter and shorter, and note the error: by how much does it fall when the step is a tenth, and
-# from where on does it rise? Then let the dragon march on, redder where it is slower: where is speed lost?
+# Go to 300 s. Make the time step shorter and shorter, and note the error: by how much does it fall when the step is a
+# tenth, and from where on does it rise? Then let the dragon march on, redder where it is slower: where is speed lost?
 # ## Change
 # Set `t` to 412: how much slower is the tail now, and which bench loses most? Then put `[0, 0]` for `.max()`, the
 # head's own error: why does rounding take over later than along the whole dragon?

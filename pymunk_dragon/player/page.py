@@ -131,10 +131,9 @@ def catalogue(*packages: str) -> dict[str, str]:
 
 def colour_variables() -> str:
     """Style that defines each colour as `--canvas-...`, by the scheme that the reader prefers."""
-    light, dark = (
-        "".join(f" --canvas-{name}: {value};" for name, value in asdict(each).items()) for each in (COLOURS, DARK)
-    )
-    return f":root {{{light} }}\n@media (prefers-color-scheme: dark) {{ :root {{{dark} }} }}\n"
+    both = zip(asdict(COLOURS).items(), asdict(DARK).values(), strict=True)
+    colours = "".join(f" --canvas-{name}: light-dark({light}, {dark});" for (name, light), dark in both)
+    return f":root {{{colours} }}\n"
 
 
 def _texts_of(summary: Summary, code: str) -> list[str]:

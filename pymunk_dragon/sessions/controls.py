@@ -9,29 +9,26 @@ from dataclasses import KW_ONLY, dataclass
 
 import pymunk
 
-from pymunk_dragon._arguments import finite, whole
+from pymunk_dragon._arguments import finite
 from pymunk_dragon._extras import library
 from pymunk_dragon.errors import ParameterError
 
 _Action = Callable[[pymunk.Space], object]
+# Names of keys in browsers that pygame names otherwise.
+_KEY_NAMES = {"Enter": "return", "Shift": "left shift", "Control": "left ctrl", "Alt": "left alt", " ": "space"}
 
 
 @dataclass(frozen=True)
 class Slider:
     """A number that the page changes.
 
-    A slider with an `action` calls ``action(space, value)``. A slider that `rebuilds` calls the function that builds
-    the space again, with its value as the argument `name`. Without both, `name` is a property of the space: "gravity"
-    (its amount; the direction stays), "damping" or "iterations".
-
     Parameters
     ----------
-    name, low, high : str, float, float
-        Name, and range; a `ParameterError` is raised unless `low` is below `high`.
-    value : float, optional
-        Value at the start: by default that of the argument `name` of the function, or of the property.
+    name, low, high, value : str, float, float, float, optional
+        Name, range, and value at the start, by default that of the argument of this name, or of the space.
     rebuilds, action : bool, callable, optional
-        Whether each change builds the space again; a function of the space and the value.
+        Whether a change builds the space again, with the value as the argument `name` of the function; otherwise
+        ``action(space, value)`` is called, or a property of the space is set: "gravity", "damping" or "iterations".
     label, unit, logarithmic, whole : str, str, bool, bool
         Text on the page in place of the name, unit, kind of the scale, and whether values are whole numbers.
 
@@ -59,11 +56,12 @@ class Slider:
         if not finite("high", self.high, -math.inf, math.inf, self.unit) > self.low:
             raise ParameterError("high", self.high, f"a number above {self.low:g}")
 
-    def checked(self, value: float) -> float:
+    def checked(self, value: object) -> float:
         """Return the value, if it is in the range, and whole if it has to be."""
-        if self.whole:
-            return whole(self.name, int(value) if float(value).is_integer() else value, int(self.low), int(self.high))
-        return finite(self.name, value, self.low, self.high, self.unit)
+        number = finite(self.name, value, self.low, self.high, self.unit)
+        if self.whole and not number.is_integer():
+            raise ParameterError(self.name, value, "a whole number")
+        return int(number) if self.whole else number
 
 
 @dataclass(frozen=True)
@@ -102,9 +100,9 @@ class Key:
 class PygameEvents:
     """Keys and the pointer of the page as pygame's events, for a pygame program that steps its space by `Live.step`.
 
-    pygame's functions ``key.get_pressed``, ``key.get_mods``, ``mouse.get_pos`` and ``mouse.get_pressed`` then tell the
-    state of the page, which shows the area of pygame's window. The program needs no screen: set the environment
-    variable ``SDL_VIDEODRIVER=dummy``. A `MissingExtraError` is raised if pygame is not installed.
+    pygame's ``key.get_pressed``, ``key.get_mods``, ``mouse.get_pos`` and ``mouse.get_pressed`` then tell the state of
+    the page, which shows the area of pygame's window; with ``SDL_VIDEODRIVER=dummy`` the program needs no screen. A
+    `MissingExtraError` is raised if pygame is not installed.
 
     Examples
     --------
@@ -124,10 +122,7 @@ class PygameEvents:
     def field(self) -> tuple[float, float, float, float] | None:
         """Centre, width and height of pygame's window, if it has one."""
         surface = self._pygame.display.get_surface()
-        if surface is None:
-            return None
-        width, height = surface.get_size()
-        return width / 2, height / 2, width, height
+        return surface and (surface.width / 2, surface.height / 2, surface.width, surface.height)
 
     def key(self, name: str, down: bool) -> None:
         """Post the event of a key with a name of the browser's."""
@@ -138,22 +133,17 @@ class PygameEvents:
             return
         keys[code] = down
         pygame.key.set_mods(pygame.KMOD_SHIFT * keys[pygame.K_LSHIFT] | pygame.KMOD_CTRL * keys[pygame.K_LCTRL])
-        character = name if down and len(name) == 1 else ""
-        kind = pygame.KEYDOWN if down else pygame.KEYUP
-        self._post(kind, key=code, mod=pygame.key.get_mods(), unicode=character, scancode=0)
+        character = name if len(name) == 1 else ""
+        self._post("KEYDOWN" if down else "KEYUP", key=code, mod=pygame.key.get_mods(), unicode=character, scancode=0)
 
     def pointer(self, x: float, y: float, kind: str) -> None:
         """Post the event of the pointer at a pixel of pygame's window: "down", "up" or "move"."""
         before, self._place = self._place, (round(x), round(y))
         self._button = kind == "down" or (kind == "move" and self._button)
-        moved = {"rel": (self._place[0] - before[0], self._place[1] - before[1]), "buttons": (int(self._button), 0, 0)}
+        moved = self._place[0] - before[0], self._place[1] - before[1]
         names = {"down": "MOUSEBUTTONDOWN", "up": "MOUSEBUTTONUP", "move": "MOUSEMOTION"}
-        more = moved if kind == "move" else {"button": 1}
-        self._post(getattr(self._pygame, names[kind]), pos=self._place, **more)
+        # Each event has the attributes of all three.
+        self._post(names[kind], pos=self._place, rel=moved, button=1, buttons=(int(self._button), 0, 0))
 
-    def _post(self, kind: int, **values: object) -> None:
-        self._pygame.event.post(self._pygame.event.Event(kind, **values))
-
-
-# Names of keys in browsers that pygame names otherwise.
-_KEY_NAMES = {"Enter": "return", "Shift": "left shift", "Control": "left ctrl", "Alt": "left alt", " ": "space"}
+    def _post(self, name: str, **values: object) -> None:
+        self._pygame.event.post(self._pygame.event.Event(getattr(self._pygame, name), values))

@@ -37,6 +37,21 @@ function range(from, to, count) {
   return Array.from({ length: count + 1 }, (_, i) => from + (count && (to - from) * i / count));
 }
 
+// Rows of an array of numbers, as arrays.
+function* rowsOf(numbers, size) {
+  for (let k = 0; k < numbers.length; k += size) yield numbers.subarray(k, k + size);
+}
+
+// The nearest item within a distance, by items and distances; null if there is none.
+function nearestWithin(slip, items, distanceOf) {
+  let found = null, nearest = slip;
+  for (const item of items) {
+    const distance = distanceOf(item);
+    if (distance < nearest || (distance === nearest && found === null)) [found, nearest] = [item, distance];
+  }
+  return found;
+}
+
 function bounded(value, least, most) {
   return Math.min(Math.max(value, least), most);
 }

@@ -4,10 +4,8 @@ const LENGTH_DIGITS = 3; // significant digits of a length
 const DECIMALS_MM = 3; // most decimals of a length in mm
 const DECIMALS_M = 2; // decimals of a length in m
 const SMALL_ERROR = 1e-4; // m
-// s: a time this close to a near miss counts as the near miss.
-const NEAR_MISS_TIME = 0.05;
-// Largest number of events in a description.
-const MAX_EVENTS = 3;
+const NEAR_MISS_TIME = 0.05; // s: a time this close to a near miss counts as the near miss
+const MAX_EVENTS = 3; // most events in a description
 
 // Known decimals of a number with an error: the last one is worth no less than the error.
 const decimals = (error) => Math.max(0, Math.floor(-Math.log10(error)));
@@ -22,7 +20,8 @@ function formatLength(metres, error) {
 
 // A position error in m with an error in m: in micrometres if it is small and known to a micrometre.
 function formatError(metres, error) {
-  return metres < SMALL_ERROR && error < 1e-6 ? `${(1e6 * metres).toFixed(decimals(1e6 * error))} μm` : formatLength(metres, error);
+  if (metres >= SMALL_ERROR || error >= 1e-6) return formatLength(metres, error);
+  return `${(1e6 * metres).toFixed(decimals(1e6 * error))} μm`;
 }
 
 // Numbers of one bench: velocity and speed in m/s, angle in degrees, gap and its error in m.

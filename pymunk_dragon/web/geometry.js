@@ -1,21 +1,10 @@
 // Rectangles of the benches: corners, distances, and the grid cells that they cover.
 
-// Margin around a bench in cells, as in the package's grid: rounding never loses a cell.
-const CELL_SLACK = 1e-8;
-
-// Positions of the handles: handle i is the front hole of bench i, the last handle is the tail's rear hole.
-function handlesOf(spacings, poses) {
-  const last = spacings.length - 1;
-  return Array.from({ length: last + 2 }, (_, i) => {
-    const bench = Math.min(i, last);
-    const half = (i <= last ? 1 : -1) * spacings[bench] / 2;
-    return [poses.x[bench] + half * poses.cos[bench], poses.y[bench] + half * poses.sin[bench]];
-  });
-}
+const CELL_SLACK = 1e-8; // cells: margin around a bench, as in the package's grid; rounding never loses a cell
 
 // Poses as columns, with cosines and sines; `poseOf` tells x, y and angle of a body.
 function posesFrom(count, poseOf) {
-  const poses = Object.fromEntries(["x", "y", "angle", "cos", "sin"].map((name) => [name, new Float64Array(count)]));
+  const poses = { x: [], y: [], angle: [], cos: [], sin: [] };
   for (let i = 0; i < count; i++) {
     [poses.x[i], poses.y[i], poses.angle[i]] = poseOf(i);
     poses.cos[i] = Math.cos(poses.angle[i]);
@@ -24,15 +13,30 @@ function posesFrom(count, poseOf) {
   return poses;
 }
 
+// Poses of benches between their handles.
+function posesBetween(handles) {
+  return posesFrom(handles.length - 1, (i) => {
+    const [fx, fy] = handles[i], [rx, ry] = handles[i + 1];
+    return [(fx + rx) / 2, (fy + ry) / 2, Math.atan2(fy - ry, fx - rx)];
+  });
+}
+
 // Benches at their poses; `motion` has their number `benches` and their `lengths`, `widths` and `spacings`.
 class Benches {
   constructor(motion, poses) {
-    this.motion = motion;
-    this.poses = poses;
+    Object.assign(this, { motion, poses });
   }
 
+  // Positions of the handles: handle i is the front hole of bench i, the last handle is the tail's rear hole.
   get handles() {
-    return (this.cachedHandles ??= handlesOf(this.motion.spacings, this.poses));
+    const last = this.motion.benches - 1;
+    return (this.cachedHandles ??= range(0, last, last).map((i) => this.hole(i, 1)).concat([this.hole(last, -1)]));
+  }
+
+  // The front hole of bench `i`, or with the side -1 the rear one.
+  hole(i, side) {
+    const { x, y, cos, sin } = this.poses, half = side * this.motion.spacings[i] / 2;
+    return [x[i] + half * cos[i], y[i] + half * sin[i]];
   }
 
   // Corners: rear right, front right, front left, rear left.
@@ -43,21 +47,15 @@ class Benches {
       ([a, c]) => [x[i] + a * cos[i] - c * sin[i], y[i] + a * sin[i] + c * cos[i]]);
   }
 
-  // A point in the coordinates of bench `i`: metres ahead of its centre, and to the left.
-  toLocal(i, [px, py]) {
-    const { x, y, cos, sin } = this.poses;
-    const dx = px - x[i], dy = py - y[i];
-    return [dx * cos[i] + dy * sin[i], dy * cos[i] - dx * sin[i]];
-  }
-
   // Point of bench `i` that is closest to a point, and the distance; 0 within the bench.
-  nearestPoint(i, point) {
-    const { x, y, cos, sin } = this.poses;
-    const [ahead, left] = this.toLocal(i, point);
+  nearestPoint(i, [px, py]) {
+    const { x, y, cos, sin } = this.poses, dx = px - x[i], dy = py - y[i];
     const along = this.motion.lengths[i] / 2, across = this.motion.widths[i] / 2;
+    // In the coordinates of the bench.
+    const ahead = dx * cos[i] + dy * sin[i], left = dy * cos[i] - dx * sin[i];
     const a = Math.min(Math.max(ahead, -along), along), c = Math.min(Math.max(left, -across), across);
     return {
-      distance: Math.hypot(ahead - a, left - c),
+      distance: Math.sqrt((ahead - a) ** 2 + (left - c) ** 2),
       point: [x[i] + a * cos[i] - c * sin[i], y[i] + a * sin[i] + c * cos[i]],
     };
   }
@@ -73,8 +71,8 @@ class Benches {
     return [along(i, j), across(i, j), along(j, i), across(j, i)];
   }
 
-  // The gap between two benches, and its two ends. Rectangles that do not overlap are closest at a corner of one of them.
-  // The gap of two that overlap is negative: the shortest way that parts them (separating axis theorem).
+  // The gap between two benches, and its two ends. Rectangles that do not overlap are closest at a corner of one of
+  // them. The gap of two that overlap is negative: the shortest way that parts them (separating axis theorem).
   gap(i, j) {
     let found = { gap: Infinity };
     for (const [own, other] of [[i, j], [j, i]]) {
@@ -88,16 +86,16 @@ class Benches {
     return found;
   }
 
-  // The bench closest to bench `i` among those that are not its neighbours, of the first `count`, with the gap; `found` if
-  // that is a smaller one.
+  // The bench closest to bench `i` among those that are not its neighbours, of the first `count`, with the gap; `found`
+  // if that is a smaller one.
   nearest(i, found = null, count = this.motion.benches) {
-    const { x, y } = this.poses;
-    const reach = (k) => Math.hypot(this.motion.lengths[k], this.motion.widths[k]) / 2;
+    const { x, y } = this.poses, { lengths, widths } = this.motion;
+    const reach = (k) => Math.sqrt(lengths[k] ** 2 + widths[k] ** 2) / 2;
     for (let j = 0; j < count; j++) {
       if (Math.abs(i - j) <= 1) continue;
-      // Lower bound of the gap: distance of the centres less half a diagonal each.
-      const least = Math.hypot(x[i] - x[j], y[i] - y[j]) - reach(i) - reach(j);
-      if (found && least >= found.gap) continue;
+      // Lower bounds of the gap: distance of the centres less half a diagonal each, and the gaps between shadows.
+      const least = Math.sqrt((x[i] - x[j]) ** 2 + (y[i] - y[j]) ** 2) - reach(i) - reach(j);
+      if (found && (least >= found.gap || Math.max(...this.axisGaps(i, j)) >= found.gap)) continue;
       const between = this.gap(i, j);
       if (!found || between.gap < found.gap) found = { bench: j, ...between };
     }
@@ -106,13 +104,8 @@ class Benches {
 
   // The bench within `slip` m of a point; the lowest number if the point is on several.
   at(point, slip) {
-    let found = null, nearest = slip;
-    for (let i = 0; i < this.motion.benches; i++) {
-      const { distance } = this.nearestPoint(i, point);
-      if (distance === 0) return i;
-      if (distance <= nearest) [found, nearest] = [i, distance];
-    }
-    return found;
+    const last = this.motion.benches - 1;
+    return nearestWithin(slip, range(0, last, last), (i) => this.nearestPoint(i, point).distance);
   }
 
   // Grid cells [row, column] that bench `i` touches or covers: rows count downward, columns to the right.

@@ -14,8 +14,7 @@ const NUMBER_SIZE = 28; // pixels: room for a number in a distant view
 const RING = 9; // pixels: radius of the ring around a contact
 const LABEL_OFFSET = 14; // pixels: distance of a label from the centre of its ring
 const ZOOM_BUTTONS = 52; // pixels: width of the buttons at the right
-// s: a near miss is shown this long before and after its time.
-const NEAR_MISS_SHOWN = 1.5;
+const NEAR_MISS_SHOWN = 1.5; // s: a near miss is shown this long before and after its time
 const GHOST_WIDTH = 1.5; // pixels: width of the lines
 const GHOST_SHARE = 0.16; // largest width of the lines over that of a bench
 const THINNEST_GHOST = 0.75; // pixels
@@ -36,8 +35,9 @@ function drawVelocities(painter, benches, visible) {
   if (!velocities) return;
   const path = new Path2D();
   for (const handle of new Set(visible.flatMap((i) => [i, i + 1]))) {
-    const from = view.toScreen(...benches.handles[handle]), along = velocities[handle].map((each) => ARROW * each * view.scale);
-    if (Math.hypot(...along) >= SHORTEST_ARROW) addArrow(path, from, along[0], -view.up * along[1]);
+    const [along, up] = velocities[handle].map((each) => ARROW * each * view.scale);
+    if (Math.hypot(along, up) < SHORTEST_ARROW) continue;
+    addArrow(path, view.toScreen(...benches.handles[handle]), along, -view.up * up);
   }
   const width = Math.min(THICKEST_SHAFT, SHAFT * ARROW * view.scale);
   strokeTwice(context, path, colours.background, colours.motion, width, RIM);

@@ -11,12 +11,9 @@ const THICKEST_OUTLINE = 1.25; // pixels
 
 class Painter {
   constructor(canvas, motion, view, payload, curve) {
-    this.canvas = canvas;
-    this.context = canvas.getContext("2d", { alpha: false });
-    this.motion = motion;
-    this.view = view;
-    this.payload = payload;
-    this.curve = curve; // m: x0, y0, x1, y1, ...
+    const context = canvas.getContext("2d", { alpha: false });
+    // The curve in m: x0, y0, x1, y1, ...
+    Object.assign(this, { canvas, context, motion, view, payload, curve });
     this.curveError = payload.curve_error;
     this.readColours();
   }

@@ -9,12 +9,14 @@ const PAGE_COLOURS = ["quiet", "rule", "any"];
 
 // The colours by name; `text` is that of the page's texts.
 function readColours() {
-  const style = getComputedStyle(document.documentElement), named = (name) => style.getPropertyValue(name).trim();
-  return {
-    ...Object.fromEntries(CANVAS_COLOURS.map((name) => [name, named(`--canvas-${name}`)])),
-    ...Object.fromEntries(PAGE_COLOURS.map((name) => [name, named(`--${name}`)])),
-    text: named("--ink"),
-  };
+  const { style } = document.body, names = [...CANVAS_COLOURS.map((name) => `canvas-${name}`), ...PAGE_COLOURS, "ink"];
+  const values = names.map((name) => {
+    // A colour for each scheme is resolved where it is used.
+    style.color = `var(--${name})`;
+    return getComputedStyle(document.body).color;
+  });
+  style.color = "";
+  return Object.fromEntries([...CANVAS_COLOURS, ...PAGE_COLOURS, "text"].map((name, k) => [name, values[k]]));
 }
 
 // Match a canvas to the pixels of the screen; returns its size in those of the page, in which one draws then.
@@ -27,15 +29,15 @@ function fitCanvas(canvas, context) {
 }
 
 // `look` has `colours` by their names, and a `font`. The pane reaches from `top` down over `width` and `height`; there
-// the point (x0, y0) is at the pixel (left, ceiling), and a unit is `sx` and `sy` pixels along the axes. Texts have `size`
-// pixels.
+// the point (x0, y0) is at the pixel (left, ceiling), and a unit is `sx` and `sy` pixels along the axes. Texts have
+// `size` pixels.
 class Pane {
   constructor(context, look) {
     Object.assign(this, { context, look, size: 13 });
   }
 
-  // Axes of a chart with the ranges `across` and `up`; what is drawn next is clipped to them. `tick` writes a value, and
-  // those of the vertical axis are at least `apart` pixels apart. Only a chart with a name has values below it.
+  // Axes of a chart with the ranges `across` and `up`; what is drawn next is clipped to them. `tick` writes a value,
+  // and those of the vertical axis are at least `apart` pixels apart. Only a chart with a name has values below it.
   axes({ across: [x0, x1], up: [y0, y1], name, tick = signed, apart = 32, margins = CHART_MARGINS }) {
     const { left, right, above, below } = margins;
     const wide = this.width - left - right, high = this.height - above - below;
@@ -106,8 +108,8 @@ class Pane {
   // A text with a rim, moved by pixels.
   text(point, text, { dx = 0, dy = 0, align = "center", colour = "text" } = {}) {
     const { context } = this, [px, py] = this.toScreen(point);
-    Object.assign(context, { font: `${this.size}px ${this.look.font}`, textAlign: align, textBaseline: "middle", lineWidth: 4 });
-    Object.assign(context, { strokeStyle: this.colour("background"), fillStyle: this.colour(colour) });
+    Object.assign(context, { font: `${this.size}px ${this.look.font}`, textAlign: align, textBaseline: "middle" });
+    Object.assign(context, { strokeStyle: this.colour("background"), fillStyle: this.colour(colour), lineWidth: 4 });
     context.strokeText(text, px + dx, py + dy);
     context.fillText(text, px + dx, py + dy);
   }

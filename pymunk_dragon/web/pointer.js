@@ -72,9 +72,9 @@ function listenToWheel(canvas, view, moved) {
   canvas.addEventListener("wheel", (event) => {
     event.preventDefault();
     const delta = event.deltaY * (event.deltaMode === WheelEvent.DOM_DELTA_LINE ? WHEEL_LINE : 1);
-    const box = canvas.getBoundingClientRect();
+    const { left, top } = canvas.getBoundingClientRect();
     // Browsers report pinching on a touchpad as wheel events with Ctrl, in small steps.
-    view.zoom(Math.exp(-delta * WHEEL_ZOOM * (event.ctrlKey ? 5 : 1)), event.clientX - box.left, event.clientY - box.top);
+    view.zoom(Math.exp(-delta * WHEEL_ZOOM * (event.ctrlKey ? 5 : 1)), event.clientX - left, event.clientY - top);
     moved("zoom");
   }, { passive: false });
 }

@@ -44,7 +44,7 @@ class Stage {
     this.viewMoved("pan");
   }
 
-  // The user has moved the view, which no longer follows anything, except that zooming while playing keeps the head centred.
+  // The user has moved the view, which then follows nothing, but zooming while playing keeps the head centred.
   viewMoved(how) {
     if (!(how === "zoom" && this.playing && this.follow === "head")) this.follow = null;
     this.afterChange();
@@ -57,8 +57,8 @@ class Stage {
   }
 }
 
-// Connect the controls that both pages have. A page adds buttons and keys with their actions, and `takes`, which tells of
-// an event of the keyboard whether it needs no more.
+// Connect the controls that both pages have. A page adds buttons and keys with their actions, and `takes`, which tells
+// of an event of the keyboard whether it needs no more.
 function connectStage(stage, { buttons, keys, pointers, takes }) {
   const actions = {
     "zoom-in": () => stage.zoom(ZOOM_STEP),
@@ -125,13 +125,13 @@ function listenToKeys(actions, takes = () => false) {
   });
 }
 
-// Keys that an element uses itself. The space bar is that of an element which a key has reached, not of one that was clicked.
+// Keys that an element uses itself. The space bar is that of an element which a key has reached, and not a click.
 function keepsKey(target, key, tabbed) {
-  if (target.closest("input[type=number]")) return true;
-  if (key === " ") return tabbed && target.closest("button, select, summary, input:not([type=range], [type=radio])") !== null;
+  if (target.matches("input[type=number]")) return true;
+  if (key === " ") return tabbed && target.matches("button, select, summary, input:not([type=range], [type=radio])");
   if (key === "enter") return target !== element("field");
-  if (target.closest("input[type=range]")) return target.id !== "time" && /^(arrow|page|home|end)/.test(key);
-  return target.closest("select") !== null || (target.closest("input[type=radio]") !== null && key.startsWith("arrow"));
+  if (target.matches("input[type=range]")) return target.id !== "time" && /^(arrow|page|home|end)/.test(key);
+  return target.matches("select") || (target.matches("input[type=radio]") && key.startsWith("arrow"));
 }
 
 // Tell why a page does not work.

@@ -1,8 +1,7 @@
 // Languages of the page: its texts are English, and the page has a catalogue from English to each other language.
 
 const CATALOGUES = { en: {}, ...JSON.parse(element("texts").textContent) };
-// Elements without texts of the page.
-const UNTRANSLATED = "script, style, svg, canvas, kbd, code, [translate=no]";
+const UNTRANSLATED = "script, style, svg, canvas, kbd, code, [translate=no]"; // elements without texts of the page
 const HAS_LETTERS = /\p{L}/u;
 const LANGUAGE_NAMES = { en: "English", zh: "中文" };
 const KEY_SIGNS = { ArrowLeft: "←", ArrowRight: "→", "-": "−" };
@@ -33,15 +32,14 @@ const chosenLanguage = () => languageIn(location.hash) ?? DEFAULT_LANGUAGE;
 function* textElements(parent) {
   for (const child of parent.children) {
     if (child.matches(UNTRANSLATED)) continue;
-    const hasText = [...child.childNodes].some(({ nodeType, data }) => nodeType === Node.TEXT_NODE && HAS_LETTERS.test(data));
-    if (hasText) yield child;
+    if ([...child.childNodes].some((node) => node instanceof Text && HAS_LETTERS.test(node.data))) yield child;
     else yield* textElements(child);
   }
 }
 
 // Elements that a key clicks, with the key.
 const withKeys = () =>
-  Array.from(document.querySelectorAll("[aria-keyshortcuts]"), (each) => [each, each.getAttribute("aria-keyshortcuts")]);
+  [...document.querySelectorAll("[aria-keyshortcuts]")].map((each) => [each, each.getAttribute("aria-keyshortcuts")]);
 
 for (const [each] of withKeys()) each.title ||= each.ariaLabel ?? each.textContent;
 

@@ -1,11 +1,8 @@
-// Camera: the visible part of the plane, x to the right and y up (down where `up` is -1) in m; screen pixels to the right and down.
+// Camera: the visible part of the plane, x to the right and y up (down where `up` is -1) in m; pixels go down.
 
-// Pixels: largest width of a bench. A near miss of the reference scenario is then some 60 pixels wide.
-const WIDEST_BENCH = 20000;
-// Smallest scale relative to that of the fitted view.
-const SMALLEST = 0.2;
-// Border of the fitted view as a fraction of its size.
-const BORDER = 0.04;
+const WIDEST_BENCH = 20000; // pixels: a near miss of the reference scenario is then some 60 pixels wide
+const SMALLEST = 0.2; // smallest scale relative to that of the fitted view
+const BORDER = 0.04; // border of the fitted view as a fraction of its size
 
 class View {
   constructor(subject) {
@@ -25,8 +22,8 @@ class View {
   }
 
   get fittingScale() {
-    const [width, height] = this.field.size;
-    return (1 - 2 * BORDER) * Math.min((this.width - this.right) / width, (this.height - this.top - this.bottom) / height);
+    const [width, height] = this.field.size, high = this.height - this.top - this.bottom;
+    return (1 - 2 * BORDER) * Math.min((this.width - this.right) / width, high / height);
   }
 
   // Metres across the shorter side: links hold it, so that they show the same area on every screen.

@@ -37,7 +37,7 @@ FRAMES = sized(600, 30)
 BOX = """() => {
   const { points } = live.frame.calls.filter(({ moves }) => moves).at(-1);
   const { left, top } = document.getElementById("field").getBoundingClientRect();
-  const [x, y] = live.pixel(...[0, 1].map((k) => points.reduce((sum, point) => sum + point[k] / points.length, 0)));
+  const [x, y] = live.view.toScreen(...[0, 1].map((k) => points.reduce((sum, one) => sum + one[k] / points.length, 0)));
   return [left + x, top + y];
 }"""
 RESTS = "(([x, y, u, v]) => Math.hypot(x - u, y - v) < 0.01)(live.frame.held)"

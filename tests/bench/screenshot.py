@@ -1,7 +1,7 @@
 """Pictures of pages, in Chromium: `python tests/bench/screenshot.py march.html "#t=409.8" player.png`.
 
-What the address's second half says is shown: a moment of a run, or a lesson with what it prints. Chinese characters
-have the font of the extra `chinese`.
+What the address's second half says is shown: a moment of a run, or a lesson with its experiment, in which sliders may
+get values, as `time_step=-3`. Chinese characters have the font of the extra `chinese`.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from pymunk_dragon._language import font, in_language
 WIDTH, HEIGHT = 1200, 750
 
 if __name__ == "__main__":
-    page_file, shown, picture = sys.argv[1:]
+    page_file, shown, picture, *sliders = sys.argv[1:]
     with TemporaryDirectory() as data, in_language("zh"):
         face = font()
         assert face is not None
@@ -30,6 +30,9 @@ if __name__ == "__main__":
             page = found.page
             page.evaluate("window.dragon")  # of a player: once it has drawn
             page.evaluate("document.querySelector(':target .cover [formnovalidate]')?.click()")
+            for name, value in (each.replace("_", " ").split("=") for each in sliders):
+                page.get_by_label(name, exact=True).fill(value)
+                page.get_by_label(name, exact=True).blur()
             page.wait_for_timeout(500)
             if height := page.evaluate("document.querySelector('section:target')?.getBoundingClientRect().height"):
                 page.set_viewport_size({"width": WIDTH, "height": round(height) + 16})  # A lesson has a margin.

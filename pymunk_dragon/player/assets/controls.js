@@ -12,7 +12,8 @@ function connect(player) {
     keys: { home: () => player.seek(player.motion.begin), end: () => player.seek(player.motion.end) },
     pointers: {
       tapped(pixel, kind) {
-        player.set("selected", player.benches.at(view.toWorld(...pixel), kind === "mouse" ? 0 : TOUCH_SLIP / view.scale));
+        const slip = kind === "mouse" ? 0 : TOUCH_SLIP / view.scale;
+        player.set("selected", player.benches.at(view.toWorld(...pixel), slip));
       },
     },
   });
@@ -57,9 +58,11 @@ function connectFields(player) {
 
 // Events to go to, and the precision of the run, in the page's language.
 function writeLists({ events, motion }) {
-  element("events").replaceChildren(new Option(events.length ? localized("Go to an event …") : localized("No events"), ""),
-    ...events.map((event, i) => new Option(`${event.time.toFixed(2)} s: ${event.text}`, i)));
-  setText("precision", localized("Positions are stored to within {error} μm in {frames} frames; between two frames, benches"
-    + " move on cubic polynomials of time that match the positions and velocities of both. Numbers are shown with the digits"
-    + " that are certain.", { error: Number((1e6 * motion.positionError).toPrecision(2)), frames: motion.times.length }));
+  const first = events.length ? localized("Go to an event …") : localized("No events");
+  const options = events.map(({ time, text }, i) => new Option(`${time.toFixed(2)} s: ${text}`, i));
+  element("events").replaceChildren(new Option(first, ""), ...options);
+  setText("precision", localized("Positions are stored to within {error} μm in {frames} frames; between two frames,"
+    + " benches move on cubic polynomials of time that match the positions and velocities of both. Numbers are shown"
+    + " with the digits that are certain.",
+  { error: Number((1e6 * motion.positionError).toPrecision(2)), frames: motion.times.length }));
 }

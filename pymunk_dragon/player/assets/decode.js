@@ -30,17 +30,12 @@ async function unpack({ frames, points, origin, step, order }, base64) {
   return { frames, points, origin, step, counts };
 }
 
-// Vectors of all points in a frame, in m or m/s: x0, y0, x1, y1, ...
-function vectorsIn(packed, frame) {
-  const { points, origin, step, counts } = packed;
-  const vectors = new Float64Array(2 * points);
-  const begin = frame * 2 * points;
-  for (let i = 0; i < vectors.length; i++) vectors[i] = origin[i & 1] + step * counts[begin + i];
-  return vectors;
+// Vectors of all points, x0, y0, x1, y1, ..., in m or m/s: of all frames, and in a frame.
+function vectorsOf({ origin, step }, counts) {
+  return Float64Array.from(counts, (count, i) => origin[i & 1] + step * count);
 }
 
-// Vectors of all frames, in m.
-function vectorsOf(packed) {
-  const { origin, step, counts } = packed;
-  return Float64Array.from(counts, (count, i) => origin[i & 1] + step * count);
+function vectorsIn(packed, frame) {
+  const size = 2 * packed.points;
+  return vectorsOf(packed, packed.counts.subarray(frame * size, (frame + 1) * size));
 }

@@ -6,13 +6,8 @@ const MAGNIFIED_SHARE = 0.3; // of the width of a bench
 
 class Exact {
   constructor(motion, offsets) {
-    this.motion = motion;
-    this.offsets = offsets;
-  }
-
-  // m: error of a position error.
-  get resolution() {
-    return this.offsets.step / Math.SQRT2;
+    // The error of a position error, m.
+    Object.assign(this, { motion, offsets, resolution: offsets.step / Math.SQRT2 });
   }
 
   // Offsets in m of all handles at a time, x0, y0, x1, y1, ..., linear between frames; null if unknown.
@@ -30,24 +25,20 @@ class Exact {
   errorsAt(time) {
     const offsets = this.offsetsAt(time);
     if (!offsets) return null;
-    const lengths = Array.from({ length: offsets.length / 2 }, (_, i) => Math.hypot(offsets[2 * i], offsets[2 * i + 1]));
-    return Array.from({ length: this.motion.benches }, (_, i) => Math.max(lengths[i], lengths[i + 1]));
+    const lengths = Array.from(rowsOf(offsets, 2), ([x, y]) => Math.hypot(x, y));
+    return lengths.slice(1).map((length, i) => Math.max(lengths[i], length));
   }
 
   // Poses of the exact benches beside `benches` at `time`, with their distances from these magnified; null if unknown.
   posesBeside(benches, time, magnification = 1) {
     const offsets = this.offsetsAt(time);
     if (!offsets) return null;
-    const handles = benches.handles.map(([x, y], i) =>
-      [x + magnification * offsets[2 * i], y + magnification * offsets[2 * i + 1]]);
-    return posesFrom(this.motion.benches, (i) => {
-      const [front, rear] = [handles[i], handles[i + 1]];
-      return [(front[0] + rear[0]) / 2, (front[1] + rear[1]) / 2, Math.atan2(front[1] - rear[1], front[0] - rear[0])];
-    });
+    return posesBetween(benches.handles.map(([x, y], i) =>
+      [x + magnification * offsets[2 * i], y + magnification * offsets[2 * i + 1]]));
   }
 }
 
-// The factor 1, 2 or 5 times a power of ten by which an error is magnified, in a view with benches of this width; pixels.
+// The factor 1, 2 or 5 times a power of ten by which an error is magnified, in a view with benches of a width; pixels.
 function magnificationOf(error, width) {
   if (error >= MAGNIFIED_BELOW || error === 0) return 1;
   return roundUp(Math.max(MAGNIFIED_TO, MAGNIFIED_SHARE * width) / error);

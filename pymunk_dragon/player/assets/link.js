@@ -24,7 +24,7 @@ function formatLink({ time, rate, defaultRate, slow, follow, shown, selected, vi
 // Settings of a link; missing and invalid values are undefined.
 function parseLink(hash) {
   const query = new URLSearchParams(hash.replace(/^#/, ""));
-  const number = (text) => (text !== null && text.trim() !== "" && Number.isFinite(Number(text)) ? Number(text) : undefined);
+  const number = (text) => (text?.trim() && Number.isFinite(Number(text)) ? Number(text) : undefined);
   const at = (query.get("at") ?? "").split(",").map(number);
   const span = number(query.get("span"));
   return {

@@ -4,8 +4,9 @@ const PACKED = ["handles", "velocities", "exact", "curve"];
 
 async function start() {
   const payload = JSON.parse(block("payload"));
-  const packed = await Promise.all(PACKED.map((name) => payload[name] && unpack(payload[name], block(`${name}-packed`))));
-  const player = new Player(payload, Object.fromEntries(PACKED.map((name, i) => [name, packed[i]])));
+  const packed = {};
+  for (const name of PACKED) packed[name] = payload[name] && await unpack(payload[name], block(`${name}-packed`));
+  const player = new Player(payload, packed);
   if (!payload.grid) element("show-grid").closest("label").hidden = true;
   for (const part of document.querySelectorAll(".exact-only")) part.hidden = !player.exact;
   setLanguage(chosenLanguage());
@@ -17,7 +18,7 @@ async function start() {
 
 // For pages that hold this one in a frame: `frame.contentWindow.dragon.then((player) => player.seek(409.8))`.
 function publicPlayer(player) {
-  const { motion, view } = player;
+  const { motion, view } = player, rows = (poses) => poses?.x.map((x, i) => [x, poses.y[i], poses.angle[i]]) ?? null;
   return Object.freeze({
     play: () => player.play(),
     pause: () => player.pause(),
@@ -30,16 +31,9 @@ function publicPlayer(player) {
     pixel: (x, y) => view.toScreen(x, y),
     // Positions of the handles in a frame: x0, y0, x1, y1, ...
     handles: (frame) => Array.from(vectorsIn(player.motion.packed, frame)),
-    // Poses [x, y, angle] of the benches at a time.
-    poses: (time) => {
-      const { x, y, angle } = motion.posesAt(time);
-      return Array.from(x, (_, i) => [x[i], y[i], angle[i]]);
-    },
-    // Poses [x, y, angle] of the exact model at a time; null if unknown.
-    exactPoses: (time) => {
-      const poses = player.exact && player.exact.posesBeside(new Benches(motion, motion.posesAt(time)), time);
-      return poses && Array.from(poses.x, (_, i) => [poses.x[i], poses.y[i], poses.angle[i]]);
-    },
+    // Poses [x, y, angle] at a time of the benches, and of the exact model; null if unknown.
+    poses: (time) => rows(motion.posesAt(time)),
+    exactPoses: (time) => rows(player.exact?.posesBeside(new Benches(motion, motion.posesAt(time)), time)),
     get rate() { return player.currentRate; },
     get timeline() { return [player.timeline.from, player.timeline.to]; },
     // Numbers of a bench at the current time.

@@ -1,15 +1,13 @@
 // Poses of the benches, velocities of the handles and benches in contact at any time.
 
-// s: a contact is shown this much before it begins, because the time in a link to it is rounded.
-const LINK_TOLERANCE = 1e-6;
-// Frames whose poses are cached: slow motion needs the two around a time and their neighbours in every picture.
-const CACHED_FRAMES = 8;
+const LINK_TOLERANCE = 1e-6; // s: a contact is shown this much before it begins, as times in links are rounded
+const CACHED_FRAMES = 8; // slow motion needs the two frames around a time and their neighbours in every picture
 
 // The same angle from -pi to pi.
 const normalizeAngle = (angle) => angle - TURN * Math.floor((angle + Math.PI) / TURN);
 
-// Pose of bench `i` and its rate of change on the cubic Hermite polynomial between two frames `interval` s apart. Angles
-// change by at most half a turn.
+// Pose of bench `i` and its rate of change on the cubic Hermite polynomial between two frames `interval` s apart.
+// Angles change by at most half a turn.
 function hermite(one, two, interval, share, i) {
   const left = 1 - share;
   const value = (from, step, v0, v1) =>
@@ -76,8 +74,8 @@ class Motion {
     return low;
   }
 
-  // Poses of one frame and their rates of change: a bench's centre is midway between its holes, and its direction is from
-  // the rear hole to the front hole.
+  // Poses of one frame and their rates of change: a bench's centre is midway between its holes, and its direction is
+  // from the rear hole to the front hole.
   frameMotion(frame) {
     const cached = this.cache.get(frame);
     if (cached) return cached;
@@ -87,13 +85,13 @@ class Motion {
     for (let i = 0; i < this.benches; i++) {
       const [frontX, frontY, rearX, rearY] = positions.subarray(2 * i, 2 * i + 4);
       const [frontVx, frontVy, rearVx, rearVy] = velocities.subarray(2 * i, 2 * i + 4);
-      const alongX = frontX - rearX, alongY = frontY - rearY;
+      const alongX = frontX - rearX, alongY = frontY - rearY, dvx = frontVx - rearVx, dvy = frontVy - rearVy;
       motion.x.push((frontX + rearX) / 2);
       motion.y.push((frontY + rearY) / 2);
       motion.angle.push(Math.atan2(alongY, alongX));
       motion.vx.push((frontVx + rearVx) / 2);
       motion.vy.push((frontVy + rearVy) / 2);
-      motion.angularRate.push((alongX * (frontVy - rearVy) - alongY * (frontVx - rearVx)) / (alongX ** 2 + alongY ** 2));
+      motion.angularRate.push((alongX * dvy - alongY * dvx) / (alongX ** 2 + alongY ** 2));
     }
     if (this.cache.size >= CACHED_FRAMES) this.cache.clear();
     this.cache.set(frame, motion);
@@ -110,8 +108,8 @@ class Motion {
     return { before, after, interval, share };
   }
 
-  // Estimated error of a bench's position, m: rounding of the packed positions and velocities, and the error of the cubic
-  // between two frames. The latter is proportional to the fourth derivative, which is estimated from the distance
+  // Estimated error of a bench's position, m: rounding of the packed positions and velocities, and the error of the
+  // cubic between two frames. The latter is proportional to the fourth derivative, which is estimated from the distance
   // between the cubic over two intervals and the frame between them. Infinity if there is no such frame.
   errorAt(time, bench) {
     const { before, after, interval, share } = this.between(time);
@@ -127,8 +125,8 @@ class Motion {
   fourthDerivative(frame, bench) {
     const one = this.times[frame] - this.times[frame - 1], two = this.times[frame + 1] - this.times[frame];
     if (!(one > 0 && two > 0)) return -1;
-    const here = this.frameMotion(frame);
-    const cubic = hermite(this.frameMotion(frame - 1), this.frameMotion(frame + 1), one + two, one / (one + two), bench);
+    const [before, here, after] = [frame - 1, frame, frame + 1].map((each) => this.frameMotion(each));
+    const cubic = hermite(before, after, one + two, one / (one + two), bench);
     const off = Math.hypot(cubic.x - here.x[bench], cubic.y - here.y[bench])
       + Math.abs(normalizeAngle(cubic.angle - here.angle[bench])) * this.lengths[bench] / 2;
     return off / (one * two) ** 2;
@@ -138,15 +136,10 @@ class Motion {
   posesAt(time) {
     const { before, after, interval, share } = this.between(time);
     const one = this.frameMotion(before), two = this.frameMotion(after);
-    const poses = Object.fromEntries(
-      ["x", "y", "angle", "vx", "vy", "angularRate", "cos", "sin"].map((name) => [name, new Float64Array(this.benches)]));
-    for (let i = 0; i < this.benches; i++) {
-      const found = hermite(one, two, interval, share, i);
-      for (const name in found) poses[name][i] = found[name];
-      poses.cos[i] = Math.cos(found.angle);
-      poses.sin[i] = Math.sin(found.angle);
-    }
-    return poses;
+    const found = one.x.map((_, i) => hermite(one, two, interval, share, i));
+    const rates = ["vx", "vy", "angularRate"].map((name) => [name, found.map((bench) => bench[name])]);
+    const poses = posesFrom(this.benches, (i) => [found[i].x, found[i].y, found[i].angle]);
+    return Object.assign(poses, Object.fromEntries(rates));
   }
 
   // Velocities of the handles, [x, y] in m/s; null if unknown.

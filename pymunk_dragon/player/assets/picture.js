@@ -35,8 +35,8 @@ function drawGrid(painter, benches, visible) {
 }
 
 class RunPainter extends Painter {
-  // Draw `benches` at `time` with the overlays in `show` and the bench `pointed` highlighted. The exact benches are drawn
-  // at their distances from these times `magnification`.
+  // Draw `benches` at `time` with the overlays in `show` and the bench `pointed` highlighted. The exact benches are
+  // drawn at their distances from these times `magnification`.
   draw({ time, benches, show, pointed, exact, magnification }) {
     this.clear();
     const visible = this.visible(benches);

@@ -1,14 +1,10 @@
 // The player: its time, its view and what is shown. Controls call its methods.
 
 const RATES = [0.1, 0.25, 0.5, 1, 2, 5, 10, 20, 50]; // simulated over real time
-// s: longest playing time at the default rate, which is the lowest such rate from 1 on.
-const LONGEST = 60;
-// s: a button plays so much of the end of the run.
-const LAST_PART = 10;
-// s: largest time step between two pictures, so that the run does not jump after the computer was suspended.
-const LONGEST_TICK = 0.25;
-// ms: interval of changes to the address. Browsers refuse more than some 200 of them in half a minute.
-const LINK_EVERY = 500;
+const LONGEST = 60; // s: longest playing time at the default rate, which is the lowest such rate from 1 on
+const LAST_PART = 10; // s: a button plays so much of the end of the run
+const LONGEST_TICK = 0.25; // s: most between two pictures, so that no run jumps after the computer was suspended
+const LINK_EVERY = 500; // ms: between changes of the address; browsers refuse more than some 200 in half a minute
 const ANNOUNCE_AFTER = 700; // ms: delay after the last input before the state is announced to screen readers
 
 class Player extends Stage {
@@ -17,7 +13,7 @@ class Player extends Stage {
     super(new View(motion), SWITCHES, SHOWN_BY_DEFAULT);
     this.motion = motion;
     this.exact = exact && new Exact(this.motion, exact);
-    this.painter = new RunPainter(element("field"), this.motion, this.view, payload, vectorsOf(curve));
+    this.painter = new RunPainter(element("field"), this.motion, this.view, payload, vectorsOf(curve, curve.counts));
     this.events = eventsOf(payload);
     this.eventTimes = this.events.map(({ time }) => time);
     this.timeline = new Timeline(element("strip"), element("time"), this.motion, this.events);
@@ -25,10 +21,9 @@ class Player extends Stage {
     this.length = this.motion.end - this.motion.begin;
     this.defaultRate = RATES.find((rate) => rate >= 1 && this.length / rate <= LONGEST) ?? RATES.at(-1);
     this.rate = this.defaultRate;
-    this.slow = true; // near events
     this.slowTimes = slowTimes(this.events);
-    this.playing = false;
-    this.selected = null; // a bench
+    // Slow near events; the selected is a bench.
+    Object.assign(this, { slow: true, playing: false, selected: null });
     this.writeLinkSoon = throttled(() => this.writeLink(), LINK_EVERY);
   }
 
@@ -77,7 +72,7 @@ class Player extends Stage {
     setText("reduced", this.currentRate < this.rate ? formatRate(this.currentRate) : "");
     element("time").value = time;
     // Only while paused: screen readers would announce every change.
-    if (!this.playing) element("time").setAttribute("aria-valuetext", localized("{time} seconds", { time: time.toFixed(2) }));
+    if (!this.playing) element("time").ariaValueText = localized("{time} seconds", { time: time.toFixed(2) });
     element("timeline-out").disabled = element("timeline-all").disabled = timeline.isWhole;
   }
 
@@ -125,8 +120,8 @@ class Player extends Stage {
 
   // Go to the next of some times, or the one before.
   toNext(times, direction) {
-    const later = direction > 0;
-    this.seek((later ? times.find((time) => time > this.time) : times.findLast((time) => time < this.time)) ?? this.time);
+    const next = direction > 0 ? times.find((each) => each > this.time) : times.findLast((each) => each < this.time);
+    this.seek(next ?? this.time);
   }
 
   // Play the end of the run, with that part on the timeline.
@@ -145,7 +140,7 @@ class Player extends Stage {
   // ---- timeline
 
   zoomTimeline(factor) {
-    this.timeline.zoomAround(factor, this.time);
+    this.timeline.zoom(factor, 0, this.time);
     this.requestDraw();
   }
 

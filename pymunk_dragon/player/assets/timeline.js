@@ -1,4 +1,4 @@
-// Events by time: near misses and contacts, as a list and on a timeline above the slider, which can show a part of the run.
+// Events by time: near misses and contacts, as a list and on a timeline above the slider, also of a part of the run.
 
 const THUMB = 8; // pixels: half the slider's thumb, the margin of the strip on both sides
 const CLICK = 7; // pixels: largest distance of a click from an event
@@ -27,12 +27,8 @@ function eventsOf(payload) {
 
 class Timeline {
   constructor(strip, slider, motion, events) {
-    this.strip = strip;
-    this.slider = slider;
-    this.motion = motion;
-    this.events = events;
-    this.width = 1;
-    this.showAll();
+    Object.assign(this, { strip, slider, motion, events, width: 1 });
+    this.setPart(motion.begin, Infinity);
   }
 
   get isWhole() {
@@ -50,16 +46,8 @@ class Timeline {
     return this.from + this.length;
   }
 
-  showAll() {
-    this.setPart(this.motion.begin, Infinity);
-  }
-
   // Zoom around a pixel, as a view does.
-  zoom(factor, px) {
-    this.zoomAround(factor, this.timeAt(px));
-  }
-
-  zoomAround(factor, time) {
+  zoom(factor, px, time = this.timeAt(px)) {
     const share = this.length > 0 ? (time - this.from) / this.length : 0;
     const length = Math.max(this.length / factor, SHORTEST_PART);
     this.setPart(time - share * length, length);
@@ -116,17 +104,10 @@ class Timeline {
     }
     for (const event of shown.filter(({ kind }) => kind === "near-miss")) {
       const px = this.toPixel(event.time);
-      context.beginPath();
-      context.moveTo(px, middle - MARK);
-      context.lineTo(px + MARK - 1, middle);
-      context.lineTo(px, middle + MARK);
-      context.lineTo(px - MARK + 1, middle);
-      context.closePath();
+      const path = new Path2D(`M${px} ${middle - MARK}l${MARK - 1} ${MARK}l${1 - MARK} ${MARK}l${1 - MARK} ${-MARK}z`);
       context.fillStyle = painter.colours.head;
-      context.strokeStyle = painter.colours.text;
-      context.lineWidth = 1;
-      context.fill();
-      context.stroke();
+      context.fill(path);
+      strokeOnce(context, path, painter.colours.text, 1);
     }
   }
 
@@ -149,8 +130,7 @@ class Timeline {
 
 const SLOWEST = 1 / 8; // simulated over real time
 const APPROACH = 2; // 1/s: speed over the time to the event
-// s: a contact that begins so soon after another one has no slow motion of its own, as in a pile-up.
-const APART = 2;
+const APART = 2; // s: a contact that begins so soon after another one has no slow motion of its own
 
 // Times of the events that playing slows down at: near misses, and contacts after a time without one.
 function slowTimes(events) {

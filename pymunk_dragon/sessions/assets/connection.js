@@ -10,9 +10,8 @@ const TOLD_FRAME = 3; // every so many frames Python is told that they are drawn
 const IN_WIDGET = location.href.startsWith("about:srcdoc"); // this is the frame of a notebook's widget
 
 // Takes the place of a WebSocket there: the widget passes on what is posted.
-class WidgetSocket extends EventTarget {
+class WidgetSocket {
   constructor() {
-    super();
     this.readyState = WebSocket.CONNECTING;
     this.read = ({ source, data }) => source === parent && this.take(data);
     window.addEventListener("message", this.read);
@@ -27,14 +26,12 @@ class WidgetSocket extends EventTarget {
       this.close();
       return;
     }
-    if (this.readyState === WebSocket.CONNECTING) this.turn(WebSocket.OPEN, "open");
-    this.dispatchEvent(new MessageEvent("message", { data: bytes ?? text }));
+    if (this.readyState === WebSocket.CONNECTING) {
+      this.readyState = WebSocket.OPEN;
+      this.onopen();
+    }
+    this.onmessage({ data: bytes ?? text });
     if (frame % TOLD_FRAME === 0) requestAnimationFrame(() => this.send(frame));
-  }
-
-  turn(state, event) {
-    this.readyState = state;
-    this.dispatchEvent(new Event(event));
   }
 
   send(content) {
@@ -43,12 +40,13 @@ class WidgetSocket extends EventTarget {
 
   close() {
     window.removeEventListener("message", this.read);
-    this.turn(WebSocket.CLOSED, "close");
+    this.readyState = WebSocket.CLOSED;
+    this.onclose();
   }
 }
 
 class Connection {
-  // `received` gets each JSON message, `framed` each binary frame, and `changed` is called as the connection opens and closes.
+  // `received` gets each JSON message, `framed` each binary frame, and `changed` whether the connection is open.
   constructor({ received, framed, changed }) {
     Object.assign(this, { received, framed, changed });
     this.delay = FIRST_DELAY;
@@ -63,12 +61,12 @@ class Connection {
   open() {
     const socket = this.socket = IN_WIDGET ? new WidgetSocket() : new WebSocket(`socket${location.search}`);
     socket.binaryType = "arraybuffer";
-    socket.addEventListener("open", () => {
+    socket.onopen = () => {
       this.heard = performance.now();
       this.changed(true);
-    });
-    socket.addEventListener("message", ({ data }) => this.read(data));
-    socket.addEventListener("close", () => this.reopen(socket));
+    };
+    socket.onmessage = ({ data }) => this.read(data);
+    socket.onclose = () => this.reopen(socket);
   }
 
   // Wait longer after each attempt that fails; the first message sets the wait back.
@@ -82,21 +80,14 @@ class Connection {
   read(data) {
     this.heard = performance.now();
     this.delay = FIRST_DELAY;
-    if (data instanceof ArrayBuffer) {
-      this.framed(data);
-      return;
-    }
-    const message = JSON.parse(data);
-    if (message.kind !== "pong") this.received(message);
+    if (data instanceof ArrayBuffer) this.framed(data);
+    else this.received(JSON.parse(data));
   }
 
   ping() {
     if (!this.connected) return;
-    if (performance.now() - this.heard > SILENCE) {
-      this.socket.close();
-      return;
-    }
-    this.send({ do: "ping", id: Math.round(performance.now()) });
+    if (performance.now() - this.heard > SILENCE) this.socket.close();
+    else this.send({ do: "ping", id: Math.round(performance.now()) });
   }
 
   send(message) {
@@ -143,8 +134,3 @@ function callsOf({ calls, colours = [] }) {
 const KINDS = ["circle", "segment", "polygon", "line", "dot"];
 
 const posesOf = (packed) => posesFrom(packed.length / 3, (i) => packed.subarray(3 * i, 3 * i + 3));
-
-// Rows of an array of numbers, as arrays.
-function* rowsOf(numbers, size) {
-  for (let k = 0; k < numbers.length; k += size) yield numbers.subarray(k, k + size);
-}

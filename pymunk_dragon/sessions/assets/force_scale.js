@@ -46,11 +46,7 @@ class LogScale {
 }
 
 // The largest of numbers that may be NaN; 0 if there are none.
-function largestOf(numbers) {
-  let largest = 0;
-  for (const number of numbers) if (number > largest) largest = number;
-  return largest;
-}
+const largestOf = (numbers) => numbers.reduce((largest, each) => (each > largest ? each : largest), 0);
 
 // A power of ten as text: 0.01, 1, 10, 10 k.
 function powerText(power) {
@@ -92,9 +88,7 @@ function drawLegend(painter) {
 // A length of 1, 2 or 5 times a power of ten m, and a line of that length.
 function drawScaleBar(painter, above) {
   const { context, view, colours } = painter;
-  const longest = BAR_LONGEST / view.scale;
-  const power = 10 ** Math.floor(Math.log10(longest));
-  const length = [5, 2, 1].find((digit) => digit * power <= longest) * power;
+  const length = Number((1 / roundUp(view.scale / BAR_LONGEST)).toPrecision(1));
   const y = view.height - LEGEND_BOTTOM - above, right = LEGEND_LEFT + length * view.scale;
   const path = new Path2D();
   for (const corner of [[LEGEND_LEFT, y - 5], [LEGEND_LEFT, y], [right, y], [right, y - 5]]) path.lineTo(...corner);
@@ -102,6 +96,6 @@ function drawScaleBar(painter, above) {
   context.font = `11px ${painter.font}`;
   context.textAlign = "left";
   context.textBaseline = "alphabetic";
-  const short = painter.model.units === "m" && length < 1;
-  painter.drawText(short ? `${Number((1000 * length).toPrecision(1))} mm` : `${length} ${painter.model.units}`, right + 6, y);
+  const { units } = painter.model, short = units === "m" && length < 1;
+  painter.drawText(short ? `${Number((1000 * length).toPrecision(1))} mm` : `${length} ${units}`, right + 6, y);
 }

@@ -9,7 +9,7 @@ const ANNOUNCE_EVERY = 1500; // ms: events in between are not announced to scree
 const SLOW = 0.9; // less than this fraction of the chosen speed is marked as slow
 const SWITCHES = ["curve", "handles", "labels", "ghost", "forces", "contacts"];
 const SHOWN_BY_DEFAULT = ["curve", "ghost", "contacts"];
-const STAGE = new URLSearchParams(location.hash.slice(1)).get("stage"); // scene that the page of a lesson shows in a frame
+const STAGE = new URLSearchParams(location.hash.slice(1)).get("stage"); // scene for a frame on the page of a lesson
 
 class Live extends Stage {
   constructor() {
@@ -69,7 +69,8 @@ class Live extends Stage {
 
   setScene(scene) {
     this.showBuilding(false);
-    if (!this.scene && STAGE && scene.name !== STAGE && scene.role === "control") this.send({ do: "scene", name: STAGE });
+    const wanted = !this.scene && STAGE && scene.name !== STAGE && scene.role === "control";
+    if (wanted) this.send({ do: "scene", name: STAGE });
     const same = this.scene?.name === scene.name;
     this.scene = scene;
     this.frame = this.framePoses = null;
@@ -101,12 +102,13 @@ class Live extends Stage {
   addEvent(event) {
     this.events = [event, ...this.events].slice(0, EVENTS_LISTED);
     this.showEvents();
-    this.announce(localized("{text}, at {time} s", { text: translatedNumbers(event.text), time: event.time.toFixed(2) }));
+    const text = translatedNumbers(event.text);
+    this.announce(localized("{text}, at {time} s", { text, time: event.time.toFixed(2) }));
   }
 
   showEvents() {
-    element("events").replaceChildren(...this.events.map(({ time, text }) =>
-      created("li", {}, created("span", { className: "quiet" }, `${time.toFixed(2)} s`), ` ${translatedNumbers(text)}`)));
+    element("events").replaceChildren(...this.events.map(({ time, text }) => created("li", {},
+      created("span", { className: "quiet" }, `${time.toFixed(2)} s`), ` ${translatedNumbers(text)}`)));
     element("no-events").hidden = this.events.length > 0;
   }
 
@@ -195,7 +197,8 @@ class Live extends Stage {
   // Controls and charts follow with the next state and picture.
   setLanguage(name) {
     setLanguage(name);
-    if (!IN_WIDGET) history.replaceState(null, "", name === DEFAULT_LANGUAGE ? location.pathname + location.search : `#lang=${name}`);
+    const address = name === DEFAULT_LANGUAGE ? location.pathname + location.search : `#lang=${name}`;
+    if (!IN_WIDGET) history.replaceState(null, "", address);
     if (!this.scene) return;
     this.showEvents();
     this.charts.setTexts();

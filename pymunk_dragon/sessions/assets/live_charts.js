@@ -1,5 +1,4 @@
-// Charts of the last seconds: position error, tension along the chain, the time that a step takes, and quantities of the
-// scene.
+// Charts of the last seconds: position error, tension along the chain, time of a step, and quantities of the scene.
 
 const CHART_SECONDS = 20;
 const LONGEST_GAP = 250; // ms: a longer pause between two frames counts as this
@@ -64,7 +63,8 @@ function decadesAround(values) {
 class LiveCharts {
   constructor(painter) {
     this.painter = painter;
-    this.charts = Object.fromEntries(["error", "force", "step"].map((name) => [name, new Chart(element(`chart-${name}`), painter)]));
+    const charts = ["error", "force", "step"].map((name) => [name, new Chart(element(`chart-${name}`), painter)]);
+    this.charts = Object.fromEntries(charts);
     this.drawn = 0;
   }
 
@@ -93,9 +93,10 @@ class LiveCharts {
   // The quantities as a table, one row for each time.
   get table() {
     const [first] = this.quantities;
-    const names = ["time (s)", ...this.quantities.map(({ name }) => name)].map((name) => `"${name.replaceAll('"', '""')}"`);
+    const names = ["time (s)", ...this.quantities.map(({ name }) => name)];
     const rows = first.rows.map(([time], row) => [time, ...this.quantities.map(({ rows }) => rows[row][1])]);
-    return [names, ...rows].map((row) => row.join(",")).join("\n") + "\n";
+    const quoted = names.map((name) => `"${name.replaceAll('"', '""')}"`);
+    return [quoted, ...rows].map((row) => row.join(",")).join("\n") + "\n";
   }
 
   // Draw at most ten times a second, and only what is visible.
@@ -114,12 +115,13 @@ class LiveCharts {
     chart.start(decadesAround(chart.values), powerText);
     chart.track(chart.samples.map(([at, value]) => [at, Math.log10(value)]));
     const worst = errors.reduce((one, value, i) => (value > (errors[one] ?? -1) ? i : one), -1);
-    setText("value-error", worst < 0 ? "–" : localized("{error}, bench {i}", { error: formatError(errors[worst], ERROR_KNOWN), i: worst }));
+    const error = formatError(errors[worst], ERROR_KNOWN);
+    setText("value-error", worst < 0 ? "–" : localized("{error}, bench {i}", { error, i: worst }));
   }
 
   drawForces(chart, frame, cuts) {
     const { benches } = this.model, { bottom, top } = this.painter.forceScale;
-    const forces = Array.from(benches ? frame.forces : rowsOf(frame.joints, JOINT_SIZE), (each) => (benches ? each : each[4]));
+    const forces = benches ? [...frame.forces] : Array.from(rowsOf(frame.joints, JOINT_SIZE), (joint) => joint[4]);
     element("charts-force").hidden = forces.length === 0;
     const valid = (j) => forces[j] > 0 && !cuts.has(j);
     chart.start([bottom, top], powerText, [-0.5, Math.max(1, forces.length) - 0.5]);
@@ -128,18 +130,20 @@ class LiveCharts {
     else for (const [j, up] of points) chart.line([[j, bottom], [j, up]], { colour: "any", width: 4 });
     for (const j of cuts) chart.line([[j, bottom], [j, top]], { colour: "contact" });
     const worst = forces.reduce((one, value, j) => (valid(j) && value > (forces[one] ?? 0) ? j : one), -1);
-    setText("value-force", worst < 0 ? "–" : localized("{force}, joint {i}", { force: this.model.forceText(forces[worst]), i: worst }));
+    const force = this.model.forceText(forces[worst]);
+    setText("value-force", worst < 0 ? "–" : localized("{force}, joint {i}", { force, i: worst }));
   }
 
   drawSteps(chart, { step_time }, budget) {
     chart.start([0, roundUp(Math.max(...chart.values, 1.05 * budget))]);
     chart.line([[chart.begin, budget], [chart.clock, budget]], { colour: "contact", width: 1.25 });
     chart.track();
-    setText("value-step", localized("{time} of {limit}", { time: formatTime(1000 * step_time), limit: formatTime(budget) }));
+    const [time, limit] = [1000 * step_time, budget].map(formatTime);
+    setText("value-step", localized("{time} of {limit}", { time, limit }));
   }
 }
 
-const formatTime = (milliseconds) => (Number.isFinite(milliseconds) ? `${Number(milliseconds.toPrecision(2))} ms` : "–");
+const formatTime = (ms) => (Number.isFinite(ms) ? `${Number(ms.toPrecision(2))} ms` : "–");
 
 // A chart of a quantity of the scene, with a linear scale.
 class Quantity {

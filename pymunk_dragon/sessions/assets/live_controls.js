@@ -25,7 +25,8 @@ function connect(live) {
   for (const kind of ["focus", "blur"]) element("field").addEventListener(kind, () => live.requestDraw());
   document.body.classList.toggle("framed", STAGE !== null);
   addEventListener("hashchange", () => live.setLanguage(chosenLanguage()));
-  for (const part of document.querySelectorAll(".panel details")) part.open = STAGE !== null || matchMedia(WIDE).matches;
+  const opens = STAGE !== null || matchMedia(WIDE).matches;
+  for (const part of document.querySelectorAll(".panel details")) part.open = opens;
 }
 
 const buttonsOf = (live) => ({
@@ -66,19 +67,7 @@ function start() {
   const live = new Live();
   connect(live);
   setLanguage(chosenLanguage());
-  return publicLive(live);
-}
-
-function publicLive(live) {
-  return Object.freeze({
-    get scene() { return live.scene; },
-    get state() { return live.state; },
-    get frame() { return live.frame; },
-    get drawn() { return live.drawn; },
-    // Pixel of the canvas at a point in m.
-    pixel: (x, y) => live.view.toScreen(x, y),
-    send: (message) => live.send(message),
-  });
+  return live;
 }
 
 try {

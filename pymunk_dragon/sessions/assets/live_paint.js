@@ -38,7 +38,7 @@ class LivePainter extends Painter {
     } else drawCalls(this, frame.calls);
     if (show.forces) drawForces(this, joints);
     if (show.labels) drawNumbers(this, benches, visible, inContact);
-    drawCuts(this, poses, state.cuts);
+    drawCuts(this, benches, state.cuts);
     if (show.contacts) drawImpulses(this, frame);
     if (held) drawHeld(this, held);
     if (target) drawTarget(this, target);

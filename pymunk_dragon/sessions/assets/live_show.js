@@ -17,9 +17,7 @@ function showScene(live) {
   document.title = title;
   setText("title", title);
   setText("text", translated(scene.text));
-  setText("lesson", scene.lesson ? localized("Lesson: {name}", { name: scene.lesson }) : "");
-  const command = `pymunk-dragon demo ${scene.lesson}${language === "en" ? "" : ` --lang ${language}`}`;
-  element("lesson").title = scene.lesson ? command : "";
+  showLesson(scene);
   const list = element("scene");
   list.replaceChildren(...scene.scenes.map((each) => new Option(translated(each.title), each.name)));
   list.value = scene.name;
@@ -29,16 +27,25 @@ function showScene(live) {
   showAbilities(live);
 }
 
+// A link to the lesson of a scene, if its page is on this server; otherwise the command that shows it.
+function showLesson({ lesson }) {
+  const here = location.pathname.endsWith("/live"), link = element("lesson");
+  const command = `pymunk-dragon demo --live ${lesson}${language === "en" ? "" : ` --lang ${language}`}`;
+  setText("lesson", lesson ? localized("Lesson: {name}", { name: here ? lesson : command }) : "");
+  if (here) link.href = `./${location.search}#${lesson}`;
+}
+
 function showAbilities(live) {
   const { model } = live;
   for (const name of SWITCHES) element(`show-${name}`).closest("label").hidden = !live.hasSwitch(name);
-  for (const [id, ability] of [["dancers", "dancers"], ["contacts-row", "contacts"], ["until-contact", "until_contact"]]) {
-    element(id).hidden = !model.can(ability);
-  }
+  const parts = { dancers: "dancers", "contacts-row": "contacts", "until-contact": "until_contact" };
+  for (const id in parts) element(id).hidden = !model.can(parts[id]);
   element("follow").hidden = model.benches === 0;
   element("parameters-part").hidden = live.scene.parameters.length === 0;
-  element("actions").replaceChildren(...live.scene.buttons.map((name) =>
-    created("button", { type: "button", className: "plain sends", onclick: () => live.send({ do: "press", name, down: true }) }, name)));
+  element("actions").replaceChildren(...live.scene.buttons.map((name) => {
+    const onclick = () => live.send({ do: "press", name, down: true });
+    return created("button", { type: "button", className: "plain sends", onclick }, name);
+  }));
   live.afterChange();
 }
 
@@ -49,7 +56,8 @@ function showState(live) {
   element("scene").value = live.scene.name;
   element("contacts").value = state.contacts;
   live.recorder.show();
-  setText("clients", state.clients === 1 ? localized("1 viewer") : localized("{count} viewers", { count: state.clients }));
+  const { clients: count } = state;
+  setText("clients", count === 1 ? localized("1 viewer") : localized("{count} viewers", { count }));
   showAccess(live);
 }
 
@@ -77,7 +85,8 @@ function showFrame({ frame, state }) {
   const known = frame.rate !== null;
   const slow = state.running && known && frame.rate < SLOW * state.speed;
   const rate = known ? `${frame.rate.toFixed(2)}×` : "–";
-  setText("achieved", !state.running ? localized("Paused") : slow ? localized("Slow: {rate}", { rate }) : localized("{rate} real time", { rate }));
+  const achieved = slow ? localized("Slow: {rate}", { rate }) : localized("{rate} real time", { rate });
+  setText("achieved", state.running ? achieved : localized("Paused"));
   element("achieved").classList.toggle("slow", slow);
 }
 
@@ -86,5 +95,6 @@ function marchText({ march_time: time, waits, errors }) {
   if (!Number.isFinite(time)) return "";
   if (!waits) return localized("March: {time} s", { time: time.toFixed(2) });
   const worst = errors.reduce((one, value, i) => (value > errors[one] ? i : one), 0);
-  return localized("The march waits: bench {i} is {error} from its place", { i: worst, error: formatLength(errors[worst], 0) });
+  const error = formatLength(errors[worst], 0);
+  return localized("The march waits: bench {i} is {error} from its place", { i: worst, error });
 }

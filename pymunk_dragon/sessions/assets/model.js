@@ -3,8 +3,7 @@
 class Model {
   constructor(scene) {
     const { dragon, field } = scene;
-    this.scene = scene;
-    this.field = field;
+    Object.assign(this, { scene, field });
     this.benches = dragon ? dragon.lengths.length : 0;
     this.lengths = dragon?.lengths ?? [];
     this.spacings = dragon?.spacings ?? [];
@@ -45,13 +44,8 @@ class Model {
       const benches = new Benches(this, poses), bench = benches.at(point, slip);
       return bench === null ? null : { bench, ...benches.nearestPoint(bench, point) };
     }
-    let found = null;
-    for (const call of calls) {
-      if (!call.moves || found?.distance === 0) continue;
-      const near = nearestOnShape(call, point);
-      if (near.distance <= slip && near.distance < (found?.distance ?? Infinity)) found = { call, ...near };
-    }
-    return found;
+    const near = calls.filter(({ moves }) => moves).map((call) => ({ call, ...nearestOnShape(call, point) }));
+    return nearestWithin(slip, near, ({ distance }) => distance);
   }
 
   // The joints of a frame: number, two ends and force. Those of a dragon are the holes that two benches share.
@@ -67,12 +61,7 @@ class Model {
 
   // The joint whose line passes within `slip` of a point; null if there is none.
   jointAt(point, slip, joints) {
-    let found = null, nearest = slip;
-    for (const joint of joints) {
-      const { distance } = nearestOnSegment(...joint.ends, point);
-      if (distance <= nearest) [found, nearest] = [joint, distance];
-    }
-    return found;
+    return nearestWithin(slip, joints, ({ ends }) => nearestOnSegment(...ends, point).distance);
   }
 }
 
@@ -100,6 +89,6 @@ function nearestOnShape({ points, radius }, given) {
   const sides = points.map((corner, i) => nearestOnSegment(corner, points[(i + 1) % points.length], given));
   const { point, distance } = sides.reduce((one, two) => (two.distance < one.distance ? two : one));
   if (distance <= radius) return { point: given, distance: 0 };
-  const share = radius / distance;
-  return { point: [0, 1].map((axis) => point[axis] + share * (given[axis] - point[axis])), distance: distance - radius };
+  const shift = (value, axis) => value + radius / distance * (given[axis] - value);
+  return { point: point.map(shift), distance: distance - radius };
 }

@@ -12,8 +12,8 @@ const CUT_MARK = 5; // pixels: half the size of the cross at a cut joint
 
 // Outlines of exact benches that differ visibly from those of the engine.
 function drawErrors(painter, { exact, errors }) {
-  const ghosts = new Benches(painter.model, posesOf(exact)), apart = (i) => errors[i] * painter.view.scale >= GHOST_SHOWN;
-  drawGhosts(painter, ghosts, painter.visible(ghosts).filter(apart));
+  const ghosts = new Benches(painter.model, posesOf(exact)), least = GHOST_SHOWN / painter.view.scale;
+  drawGhosts(painter, ghosts, painter.visible(ghosts).filter((i) => errors[i] >= least));
 }
 
 // A disc at each joint: colour and size show the force.
@@ -58,18 +58,17 @@ function drawImpulses(painter, frame) {
     if (impulse > (largest?.impulse ?? 0)) largest = { impulse, px, py };
   }
   strokeTwice(context, path, colours.background, COLLISION_COLOUR, 2);
-  if (largest && !many) drawLabel(painter, `${formatImpulse(largest.impulse)} ${model.impulseUnit}`, largest.px, largest.py);
+  if (!largest || many) return;
+  const { impulse, px, py } = largest, number = impulse >= 0.001 ? Number(impulse.toPrecision(2)) : "< 0.001";
+  drawLabel(painter, `${number} ${model.impulseUnit}`, px, py);
 }
 
-const formatImpulse = (impulse) => (impulse >= 0.001 ? String(Number(impulse.toPrecision(2))) : "< 0.001");
-
 // A cross at both holes of each cut joint.
-function drawCuts({ context, view, model, colours }, poses, cuts) {
+function drawCuts({ context, view, colours }, benches, cuts) {
   const path = new Path2D();
   for (const joint of cuts) {
-    for (const [bench, side] of [[joint, -1], [joint + 1, 1]]) {
-      const half = side * model.spacings[bench] / 2;
-      const [px, py] = view.toScreen(poses.x[bench] + half * poses.cos[bench], poses.y[bench] + half * poses.sin[bench]);
+    for (const hole of [benches.hole(joint, -1), benches.hole(joint + 1, 1)]) {
+      const [px, py] = view.toScreen(...hole);
       path.moveTo(px - CUT_MARK, py - CUT_MARK);
       path.lineTo(px + CUT_MARK, py + CUT_MARK);
       path.moveTo(px - CUT_MARK, py + CUT_MARK);

@@ -74,9 +74,9 @@ function numberText(value, digitsShown = 3) {
   const size = Math.abs(value);
   if (size >= 10 ** (digitsShown + 3) || (size > 0 && size < 1e-4)) {
     const [digits, power] = value.toExponential(digitsShown - 1).split("e");
-    return `${Number(digits)}·10${power.startsWith("-") ? "⁻" : ""}${superscript(Math.abs(Number(power)))}`.replace("-", "−");
+    return `${signed(Number(digits))}·10${superscript(Number(power))}`;
   }
-  return String(size >= 10 ** digitsShown ? Math.round(value) : Number(value.toPrecision(digitsShown))).replace("-", "−");
+  return signed(size >= 10 ** digitsShown ? Math.round(value) : Number(value.toPrecision(digitsShown)));
 }
 
 class Sliders {

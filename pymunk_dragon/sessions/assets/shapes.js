@@ -79,7 +79,8 @@ function addCall(path, view, { kind, points, radius, angle }) {
     path.lineTo(...corners[1]);
     return;
   }
-  addOutline(path, corners, kind === "dot" ? DOT_SIZE * radius : Math.max(radius * view.scale, kind === "segment" ? 0.5 : 0));
+  const distance = Math.max(radius * view.scale, kind === "segment" ? 0.5 : 0);
+  addOutline(path, corners, kind === "dot" ? DOT_SIZE * radius : distance);
   if (kind !== "circle") return;
   // A line from the centre shows how a circle turns.
   const [[x, y]] = points;

@@ -192,7 +192,8 @@ class Tools {
 
   labelOf({ joint, bench }) {
     const { errors } = this.live.frame;
-    if (joint) return localized("joint {i}: {force}", { i: joint.number, force: this.live.model.forceText(joint.force) });
+    const force = joint && this.live.model.forceText(joint.force);
+    if (joint) return localized("joint {i}: {force}", { i: joint.number, force });
     if (bench === undefined) return "";
     if (!(errors[bench] > 0)) return localized("bench {i}", { i: bench });
     return localized("bench {i}: error {error}", { i: bench, error: formatError(errors[bench], ERROR_KNOWN) });

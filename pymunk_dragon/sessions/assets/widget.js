@@ -2,7 +2,8 @@
 
 function render({ model, el }) {
   const frame = document.createElement("iframe");
-  Object.assign(frame, { srcdoc: model.get("page"), title: "A live session", width: "100%", height: 720, style: "border: 0" });
+  Object.assign(frame, { srcdoc: model.get("page"), title: "A live session", width: "100%", height: 720 });
+  frame.style.border = 0;
   frame.sandbox = "allow-scripts allow-downloads";
   // The picture that remains in the notebook is hidden while the page is there.
   const style = document.createElement("style");

@@ -1,7 +1,7 @@
 // The exact chain on a curve, as in the package's model: lengths in m, angles in rad. A curve has its first and last
 // coordinate `begin` and `end`, the arc length along it, and `frame(s)`: x, y, and the unit tangent's x and y there.
 
-// Share of a chord in which its end is sought step by step; a step of Newton's method below the other share is the last.
+// Share of a chord in which its end is sought step by step; a step of Newton's method below the other one is the last.
 const SEARCH_STEP = 1 / 16;
 const STEP_TOLERANCE = 1e-8;
 // Cells between two points of a drawn path, and nodes and weights of the integral of the length in a cell.
@@ -10,15 +10,13 @@ const GAUSS = [
   [0, 0.5688888888888889], [-0.5384693101056831, 0.47862867049936647], [0.5384693101056831, 0.47862867049936647],
   [-0.906179845938664, 0.23692688505618908], [0.906179845938664, 0.23692688505618908],
 ];
-// Width of an interval in which a root is found, m or s.
-const ROOT_TOLERANCE = 1e-12;
-// Ratio of the golden section.
-const GOLDEN = (Math.sqrt(5) - 1) / 2;
+const ROOT_TOLERANCE = 1e-12; // m or s: width of an interval in which a root is found
+const GOLDEN = (Math.sqrt(5) - 1) / 2; // ratio of the golden section
 
 // The spiral r = k theta, travelled inward; the coordinate is the arc length from the centre, negative.
 class Spiral {
   constructor(pitch) {
-    Object.assign(this, { k: pitch / TURN, begin: -Infinity, end: 0 });
+    Object.assign(this, { k: pitch / TURN, begin: -Infinity, end: 0, known: [0, 0] });
   }
 
   atAngle(theta) {
@@ -30,8 +28,9 @@ class Spiral {
     return this.atAngle(radius / this.k);
   }
 
-  // Polar angle, counted from the centre: Newton's method from the asymptotic form.
+  // Polar angle, counted from the centre: Newton's method from the asymptotic form. The last one is known.
   angle(s) {
+    if (s === this.known[0]) return this.known[1];
     const target = -2 * s / this.k;
     let theta = target > 8 ? Math.sqrt(target - 0.5 - Math.log(4 * target) / 2) : target / 2;
     for (let pass = 0; pass < 20; pass++) {
@@ -40,7 +39,25 @@ class Spiral {
       // The error that is left is the square of the step over twice the angle.
       if (Math.abs(step) <= 1e-7 * theta) break;
     }
+    this.known = [s, theta];
     return theta;
+  }
+
+  // Coordinate of the first point behind `s` at the straight distance `chord`, if it is within half a turn, in which
+  // the distance grows all the time; otherwise NaN. Newton's method for the angle between both, from about `guess` m.
+  behind(s, chord, guess = chord) {
+    const { k } = this, theta = this.angle(s), square = (chord / k) ** 2;
+    if (chord > k * (2 * theta + Math.PI)) return NaN;
+    let turn = Math.min(Math.sqrt(theta * theta + 2 * guess / k) - theta, Math.PI);
+    for (let pass = 0; pass < 60; pass++) {
+      const sin = Math.sin(turn / 2), cos = Math.cos(turn / 2), far = theta + turn;
+      const off = turn * turn + 4 * theta * far * sin * sin - square;
+      const step = off / (2 * turn + 4 * theta * sin * (sin + far * cos));
+      turn = bounded(turn - step, 0, Math.PI);
+      if (Math.abs(step) <= STEP_TOLERANCE * turn) break;
+    }
+    this.known = [this.atAngle(theta + turn), theta + turn];
+    return this.known[0];
   }
 
   frame(s) {
@@ -171,8 +188,11 @@ function makeDragon({ benches = 223, head = 2.86, body = 1.65, overhang = 0.275,
 }
 
 // Coordinate of the first point behind `s` at the straight distance `chord`, or ahead with `way` 1. NaN if the curve
-// ends before, or turns back so that the distance shrinks first. `guess` is about how far away along the curve it is.
-function neighbour(curve, s, chord, way = -1, guess = 0) {
+// ends before, or turns back so that the distance shrinks first. `guess` is about how far away along the curve it is. A
+// curve may have a faster method `behind`.
+function neighbour(curve, s, chord, way = -1, guess = chord) {
+  const found = way < 0 ? curve.behind?.(s, chord, guess) : NaN;
+  if (found < s) return found;
   const [x, y] = curve.frame(s), room = way < 0 ? s - curve.begin : curve.end - s;
   let distance, growth;
   const evaluate = (offset) => {
@@ -200,10 +220,11 @@ function neighbour(curve, s, chord, way = -1, guess = 0) {
 
 // The first `count` handles of a dragon with its head at the coordinate `head`, fewer if the curve takes no more:
 // coordinates, points with tangents as `frame` has them, and velocities along the curve in units of the head's.
-function chainAt(curve, dragon, head, count = dragon.benches + 1) {
+function chainAt(curve, { benches, spacings }, head, count = benches + 1) {
   const chain = { s: [head], points: [curve.frame(head)], ratios: [1] };
   for (let i = 1; i < count; i++) {
-    const s = neighbour(curve, chain.s[i - 1], dragon.spacings[i - 1], -1, chain.s[i - 2] - chain.s[i - 1]);
+    const chord = spacings[i - 1], guess = i > 1 ? (chain.s[i - 2] - chain.s[i - 1]) * chord / spacings[i - 2] : chord;
+    const s = neighbour(curve, chain.s[i - 1], chord, -1, guess);
     if (Number.isNaN(s)) break;
     const [fx, fy, ux, uy] = chain.points[i - 1], [x, y, tx, ty] = curve.frame(s);
     chain.s.push(s);
@@ -216,11 +237,7 @@ function chainAt(curve, dragon, head, count = dragon.benches + 1) {
 
 // Benches between handles, from the head on.
 function benchesBetween(dragon, points) {
-  const poses = posesFrom(points.length - 1, (i) => {
-    const [[fx, fy], [rx, ry]] = [points[i], points[i + 1]];
-    return [(fx + rx) / 2, (fy + ry) / 2, Math.atan2(fy - ry, fx - rx)];
-  });
-  return new Benches({ ...dragon, benches: points.length - 1 }, poses);
+  return new Benches({ ...dragon, benches: points.length - 1 }, posesBetween(points));
 }
 
 // The contest's march from turn 16 of a spiral on, at 1 m/s; `sizes` are those of `makeDragon`.
@@ -267,24 +284,14 @@ function gridPairs(benches, grid) {
   return { cells, entries, pairs: Array.from(pairs, (code) => [Math.floor(code / count), code % count]) };
 }
 
-// A root of a function between `before`, where it is positive, and `after`, where it is not; the end of the last interval
-// where it is not (T. R. Chandrupatla, Advances in Engineering Software 28, 1997).
+// A root of a function between `before`, where it is positive, and `after`, where it is not, by bisection.
 function rootBetween(f, before, after) {
-  let [a, b, fa, fb, share] = [before, after, f(before), f(after), 0.5];
-  for (let pass = 0; pass < 100; pass++) {
-    const x = a + share * (b - a), fx = f(x);
-    let [c, fc] = [a, fa];
-    if (fx > 0 !== fa > 0) [c, fc, b, fb] = [b, fb, a, fa];
-    [a, fa] = [x, fx];
-    const least = ROOT_TOLERANCE / Math.abs(b - a);
-    if (least > 0.5 || fx === 0) break;
-    // Inverse quadratic interpolation where three points allow it, and otherwise bisection.
-    const xi = (a - b) / (c - b), phi = (fa - fb) / (fc - fb);
-    share = phi ** 2 < xi && (1 - phi) ** 2 < 1 - xi
-      ? fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb) : 0.5;
-    share = Math.min(Math.max(share, least), 1 - least);
+  while (Math.abs(after - before) > ROOT_TOLERANCE) {
+    const middle = (before + after) / 2;
+    if (f(middle) > 0) before = middle;
+    else after = middle;
   }
-  return fa > 0 ? b : a;
+  return after;
 }
 
 // Where a function is smallest between two arguments, if it has one minimum there.

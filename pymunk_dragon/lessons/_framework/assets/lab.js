@@ -181,12 +181,13 @@ class Lab {
     write(this.canvas, "ariaLabel", this.say(this.label));
     // A screen reader does not read what changes with every picture.
     write(this.output, "ariaLive", this.rows.some(({ plays }) => plays) ? "off" : "polite");
-    write(this.output, "textContent", this.say(this.readout()));
+    // No line ends between a number and its unit.
+    write(this.output, "textContent", this.say(this.readout()).replace(/(?<=\d) (?=\p{L})/gu, "\u00a0"));
   }
 }
 
-// A part of the stage's canvas. `view()` is {x, y, size}: the middle of the floor in view and its height in m, and `wide`,
-// its width, if that differs; or of a chart {across, up, name, tick} as in `axes`, with a name in both languages.
+// A part of the stage's canvas. `view()` is {x, y, size}: the middle of the floor in view and its height in m, and
+// `wide`, its width, if that differs; or of a chart {across, up, name, tick} as in `axes`, with both languages' names.
 class StagePane extends Pane {
   constructor(lab, share, view, draw) {
     super(lab.context, lab);
@@ -249,9 +250,10 @@ function nearestOn(curve, [x, y], from, to) {
 }
 
 // A pane of the floor where the head is closest to a bench, and a chart of its gap over time, where time is dragged.
-// `benchesAt(t, handles)` are the benches; `draw` adds to the chart, which shows {across, up, name}.
+// `benchesAt(t, handles)` are the benches; `draw` adds to the chart, as up to `now.seen`, the latest time so far.
 function gapPanes(lab, { time, size, benchesAt, view, draw }) {
-  const now = { update() { Object.assign(now, benchesAt(time.value, 14).nearest(0)); } };
+  const now = { seen: -Infinity };
+  now.update = () => Object.assign(now, benchesAt(time.value, 14).nearest(0), { seen: Math.max(now.seen, time.value) });
   lab.pane(0.5, () => ({ x: now.ends[0][0], y: now.ends[0][1], size: size() }), (pane) => {
     const hit = now.gap <= 0 ? now.bench : 0;
     pane.benches(benchesAt(time.value, 61), (i) => (i === 0 ? "head" : i === hit ? "contact" : "body"));

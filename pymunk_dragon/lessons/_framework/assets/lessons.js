@@ -58,8 +58,8 @@ for (const lesson of document.querySelectorAll(".lesson")) {
   lesson.querySelector(".show").addEventListener("click", () => {
     for (const [i, result] of [...lesson.querySelectorAll(".result")].entries()) {
       const chosen = fieldsets[i].querySelector("input:checked");
-      const words = chosen ? [...chosen.parentElement.querySelectorAll("span[lang]")].map((each) => each.cloneNode(true)) : ["–"];
-      result.querySelector(".mine").replaceChildren(...words);
+      const words = chosen?.parentElement.querySelectorAll("span[lang]") ?? [];
+      result.querySelector(".mine").replaceChildren(...chosen ? [...words].map((each) => each.cloneNode(true)) : ["–"]);
       for (const [choice, item] of [...result.querySelectorAll("li")].entries()) {
         item.classList.toggle("chosen", Number(chosen?.value ?? -1) === choice);
       }
