@@ -161,6 +161,8 @@ def test_composite_begins_at_0_and_bends_as_its_pieces():
     assert shifted.point(0).tolist() == LINE.point(5).tolist()
     # At a joint the curvature is that of the later piece.
     assert PATH.curvature(PATH.joints).tolist() == [1 / 3, 0, -1 / 2]
+    bounds = PATH.max_curvature([0, 0, 0, 21, 11, 10], [9, 11, PATH.end_s, 22, 12, 9])
+    assert bounds.tolist() == [0, 1 / 3, 1 / 2, 0, 1 / 3, 1 / 3]
 
 
 def test_u_turn_is_the_one_that_tangency_demands():
