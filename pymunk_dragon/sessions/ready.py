@@ -130,7 +130,7 @@ def _unguided(values: _Values) -> Scene:
 
 @_scene("A coarse engine", "engine")
 def _sloppy_engine(values: _Values) -> Scene:
-    """Long steps and one iteration: watch the position error, then raise the iterations."""
+    """Long steps and two iterations: watch the position error, then raise the iterations."""
     return DragonScene(March(), {"step": 60.0, "iterations": 2, **values}, contacts="report", start=380.0)
 
 
@@ -148,7 +148,7 @@ def _jam(values: _Values) -> Scene:
     return scene
 
 
-# m, kg: the benches of the lessons on forces and on callbacks; s: the step of a chain that is pulled.
+# m, kg: the benches of the lesson on forces; s: the step of a chain that is pulled.
 _BENCH, _MASS, _TOW_STEP = (2.0, 0.3), 10.0, 1 / 240
 _PHASES = "begin", "pre_solve", "post_solve", "separate"
 
@@ -180,13 +180,12 @@ def _chain(space: pymunk.Space, size: _Pair, count: int, mass: float = 1.0) -> l
 
 
 def _brush(elasticity: float = 0.5) -> pymunk.Space:
-    """Return a bench that brushes another one."""
-    space = _space(damping=0.7)
-    moving = _box(space, _BENCH, (-2.4, 1.7), _MASS)
-    moving.angle, moving.velocity = -0.6, (2.5, -1.0)
-    _box(space, _BENCH, (0.0, 0.0), _MASS)
+    """Return a bench that flies at another one, as in the lesson."""
+    space = _space()
+    moving, lying = (_box(space, (2.2, 0.3), position, _MASS) for position in [(-2.4, 1.7), (0.0, 0.0)])
+    moving.angle, moving.velocity, moving.moment, lying.moment = -0.6, (2.5, -1.0), 5.0, 5.0
     for shape in space.shapes:
-        shape.elasticity, shape.friction = elasticity, 0.4
+        shape.elasticity = elasticity
     return space
 
 
@@ -198,6 +197,8 @@ def _callbacks(values: _Values) -> Scene:
 
     def called(name: str, arbiter: pymunk.Arbiter, *_: object) -> None:
         scene.events.append(f"{name}, impulse {arbiter.total_impulse.length:.2f} N s")
+        if name == "separate" and scene.space.damping == 1.0:  # Else the benches would leave the view.
+            scene.set("damping", 0.3)
 
     callbacks: dict[str, Any] = {name: partial(called, name) for name in _PHASES}
     scene.space.on_collision(**callbacks)
@@ -219,7 +220,6 @@ def _first_force(space: pymunk.Space) -> float:
         Slider("dancers", 0, 24, label="Dancers", rebuilds=True),
     ],
     plots={"Force in the first joint (N)": _first_force},
-    field=(-12.0, 0.0, 27.0, 8.0),
     show=("forces",),
 )
 def _tension(benches: int = 12, drag: float = math.log(2), dancers: int = 0) -> pymunk.Space:

@@ -293,6 +293,8 @@ class Session:
         """Tell what happened, but not more than clients can show; the rest is counted."""
         now, texts = perf_counter(), list(self.scene.events)
         self.scene.events.clear()
+        # What happened may have changed a slider.
+        self._changed |= bool(texts)
         if now - self._second >= 1:
             if (i := self._events - _MAX_EVENTS) > 0:
                 texts.insert(0, f"{i} further events in a second")

@@ -151,7 +151,7 @@ class Quantity {
     this.name = unit ? `${name} (${unit})` : name;
     this.rows = []; // [time, value] since the scene began, for the table
     this.value = created("span", {}, "–");
-    const canvas = created("canvas", { ariaHidden: "true" }), title = unit ? `${translated(name)} (${unit})` : name;
+    const canvas = created("canvas", { ariaHidden: "true" }), title = translated(name) + (unit && ` (${unit})`);
     this.figure = created("figure", {}, created("figcaption", {}, created("span", {}, title), " ", this.value), canvas);
     this.chart = new Chart(canvas, painter);
   }
