@@ -182,7 +182,6 @@ def test_dragon_keeps_to_the_exact_model_and_without_dancers_bench_1_meets_bench
 def test_scenes_of_lessons_tell_the_calls_of_a_contact_and_the_force_that_drags_at_a_chain():
     with played("callbacks") as on:
         on.run(2.0)
-        # The blow of the lesson's program.
         assert on.events[2] == "post_solve, impulse 3.29 N s"
         assert [event.split(",")[0] for event in on.events] == ["begin", *3 * ["pre_solve", "post_solve"], "separate"]
     with played("tension") as on:

@@ -76,7 +76,7 @@ plt.savefig("tension.png", bbox_inches="tight")
 # Recorded: read the force in the first joint, in all three cases. Live: set "Benches" to 24, see "Force by joint",
 # take 12 dancers, then no drag, as on ice. Pull at a bench. Which joint would you cut to relieve most of the others?
 # ## Change
-# Set `STEP` to 0.1 and to 0.001: how does the engine's drag come near to the continuous one? Then give every bench a
+# Set `STEP` to 0.04 and to 0.001: how does the engine's drag come near to the continuous one? Then give every bench a
 # dancer, `list(range(1, BENCHES + 1))`.
 # ## Teacher
 # - From grade 10; Newton's second law, drag that grows with speed. 40 minutes: 10 to draw, 15 on the stage, 15.
