@@ -1,9 +1,9 @@
 """Build the documentation, for the Makefile: `python renders/documentation.py DIRECTORY PICTURE=ARGUMENTS...`.
 
-The pages are made of the docstrings of the package by pdoc, of README and the other texts of the top folder, and of
-the commands of the pictures, which the Makefile passes: `march.gif=render renders/march.npz` for `renders/march.gif`.
-The pages that `make` has written (lessons, player, report) are copied. All links are relative, and no page requests
-anything from a network.
+The pages are made of the guides, the docstrings of the package (by pdoc), README and the other texts of the top folder,
+and the commands of the pictures, which the Makefile passes: `march.gif=render renders/march.npz` for that file of
+`renders/`. The pages that `make` has written (lessons, player, report) are copied. All links are relative, and no page
+requests anything from a network.
 """
 
 from __future__ import annotations
@@ -13,8 +13,10 @@ import re
 import shutil
 import sys
 from collections.abc import Iterable, Iterator, Mapping
+from html import escape
 from importlib import import_module
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 from unittest import mock
 
@@ -25,16 +27,24 @@ from pdoc.render_helpers import to_html
 
 import pymunk_dragon
 from pymunk_dragon.cli import COMMANDS, command
+from pymunk_dragon.lessons import LESSONS
+from pymunk_dragon.lessons._framework.lesson import blocks
 
 ROOT = Path(__file__).parent.parent
 RENDERS = ROOT / "renders"
-# Texts of the top folder: the file, its page and the title of the page.
+GUIDES = sorted(path.stem for path in RENDERS.glob("guides/*.md"))
+# Texts: the file, its page and the title of the page, in the order of the sidebar; the last two stand at its end.
 TEXTS = {
     "README.md": ("index.html", "Start"),
     "README.zh.md": ("index.zh.html", "中文"),
+    **{f"renders/guides/{name}.md": (f"{name}.html", name.capitalize()) for name in GUIDES},
     "CONTRIBUTING.md": ("contributing.html", "Contributing"),
     "CHANGELOG.md": ("changelog.html", "Changes"),
 }
+# Headings in the sidebar, by the first page below each.
+HEADINGS = {f"{GUIDES[0]}.html": "Guides", "pymunk_dragon/studies.html": "Modules", "names.html": "More"}
+# Pages by the addresses that texts have for the files: a guide names others without the folder.
+PAGES = {name: page for file, (page, _) in TEXTS.items() for name in (file, Path(file).name)}
 CITATION = "CITATION.cff"
 # Modules with a page, in the order of the sidebar, and the titles of the pages.
 MODULES = {
@@ -46,7 +56,7 @@ MODULES = {
     "model.march": "March",
     "model.scenario": "Scenario files",
     "model.run": "Runs",
-    "model.contact": "Contacts",
+    "model.contact": "Contact records",
     "collision": "First contact",
     "physics": "Engine",
     "drawing": "Films",
@@ -54,7 +64,7 @@ MODULES = {
     "drawing.debug_draw": "Debug drawing",
     "player": "Player",
     "reports": "Reports",
-    "sessions": "Live",
+    "sessions": "Live sessions",
     "sweeps": "Sweeps",
     "lessons": "Lessons",
     "cli": "Command line",
@@ -74,6 +84,13 @@ NAME = re.compile(r"(?<!\">)<code>((\w+)(?:\.\w+)*)(\(.*?\))?</code>")
 DIRECTIVE = re.compile(r' *<span class="c1"># doctest:[^<]*</span>')
 # A link within a page. pdoc makes some to members that a class has from a class without a page.
 LOCAL = re.compile(r'<a href="#([^"]+)">(.*?)</a>')
+# What pdoc's pages lack for keyboards and screen readers: names of links, headings that skip no level, focus on what
+# scrolls. Each pattern and what stands there instead, without quotation marks, as in the index of the search.
+ACCESSIBLE = {
+    r'(<a class="headerlink" href="#([^"]+)")>': r"\1 aria-label=\2>",
+    r"<(/?)h[456]\b": r"<\1h2",
+    r"<(pre|table)>": r"<\1 tabindex=0>",
+}
 # A picture or a link with a relative address in Markdown, and the text of the link.
 RELATIVE = re.compile(r"(!)?\[(?(1)[^]]*|([^]]*))\]\(renders/[^)]*\)")
 # The type behind `NDArray[np.float64]`.
@@ -89,16 +106,12 @@ def module_page(module: str) -> str:
     return f"pymunk_dragon/{module.replace('.', '/')}.html"
 
 
-def summary(docstring: str) -> str:
-    """The first paragraph of a docstring on one line."""
-    return " ".join(docstring.split("\n\n")[0].split())
-
-
 def names_text() -> str:
     """All public names, as Markdown."""
     lines = ["# All names", "", "Each is imported from `pymunk_dragon`.", "", "| name | what it is |", "| --- | --- |"]
     for name, module in sorted(pymunk_dragon._MODULES.items(), key=lambda item: item[0].lower()):
-        about = summary(getattr(pymunk_dragon, name).__doc__).replace("|", r"\|")
+        first = getattr(pymunk_dragon, name).__doc__.split("\n\n")[0]
+        about = " ".join(first.split()).replace("|", r"\|")
         lines.append(f"| [{name}]({module_page(module)}#{name}) | {about} |")
     return "\n".join(lines)
 
@@ -118,17 +131,35 @@ def gallery_text(texts: Mapping[str, str], commands: Mapping[str, str]) -> str:
     captions: dict[str, tuple[str, str]] = {}
     for picture, caption, page in shown_pictures(texts):
         captions.setdefault(picture, (caption, page))
-    lines = ["# Gallery", "", "Each picture leads to the text about it, and has the commands that make it."]
+    lines = [
+        "# Gallery",
+        "",
+        "Each picture leads to the text about it, and has its commands; where it has none, the text has its program.",
+        "",
+    ]
+    lines += ['<div class="gallery">']
     made = [name for name in commands if name.endswith(PICTURES)]
     for picture in (*made, *(name for name in captions if name not in made)):
         caption, page = captions[picture]
-        lines += ["", f"## {caption}", "", f"[![{caption}](renders/{picture})]({page})"]
+        lines += [f'<figure><a href="{page}"><img src="renders/{picture}" alt="" loading="lazy">{caption}</a>']
         if picture in made:
             arguments = commands[picture]
             runs = [name for name in commands if name.endswith(".npz") and f"renders/{name}" in arguments.split()]
-            lines += ["", "```sh", *(f"pymunk-dragon {commands[name]} -o renders/{name}" for name in runs)]
-            lines += [f"pymunk-dragon {arguments} -o renders/{picture}", "```"]
-    return "\n".join(lines)
+            shown = [*(f"{commands[name]} -o renders/{name}" for name in runs), f"{arguments} -o renders/{picture}"]
+            lines += [f"<pre>{escape(chr(10).join(f'pymunk-dragon {each}' for each in shown))}</pre>"]
+        lines.append("</figure>")
+    return "\n".join([*lines, "</div>"])
+
+
+def lessons_text() -> str:
+    """What each lesson needs, takes and teaches, as its file says to teachers: a Markdown table without LaTeX."""
+    lines = ["| lesson | for whom, and what they know | minutes | goal |", "| --- | --- | --- | --- |"]
+    for name, lesson in LESSONS.items():
+        [block] = blocks(lesson.sections()["Teacher"])
+        needs, minutes, _ = re.split(r"\. (\d+) minutes: ", block.items[0])
+        goal = block.items[1].removeprefix("Goal: ")
+        lines.append(f"| [{name}](renders/lessons.html#{name}) | {needs} | {minutes} | {goal[0].upper()}{goal[1:]} |")
+    return re.sub(r"[$\\]", "", "\n".join(lines))
 
 
 def commands_text() -> str:
@@ -150,10 +181,7 @@ def with_links(page: str, text: str, members: Mapping[str, set[str]]) -> str:
 
     def address(found: re.Match[str]) -> str:
         attribute, path = found.groups()
-        if path.startswith("renders/"):
-            path = top + path.removeprefix("renders/")
-        elif path in TEXTS:
-            path = top + TEXTS[path][0]
+        path = top + PAGES[path] if path in PAGES else path.replace("renders/", top, 1)
         return f'{attribute}="{path}'
 
     def name(found: re.Match[str]) -> str:
@@ -186,22 +214,19 @@ def short_annotation(annotation: object, *arguments: Any, **options: Any) -> str
 
 
 def write(path: Path, text: str) -> None:
-    """Write a page."""
+    """Write a page, or the index of the search."""
     path.parent.mkdir(parents=True, exist_ok=True)
+    for pattern, instead in ACCESSIBLE.items():
+        text = re.sub(pattern, instead, text)
     path.write_text(text, encoding="utf-8", newline="\n")
-
-
-def copy(source: Path, target: Path) -> None:
-    """Copy a file of `renders/`."""
-    target.parent.mkdir(parents=True, exist_ok=True)
-    shutil.copyfile(source, target)
 
 
 def page_titles(copied: Iterable[str]) -> dict[str, str]:
     """The titles of all pages by their addresses, in the order of the sidebar."""
-    start, chinese, *others = TEXTS.values()
+    *first, contributing, changes = TEXTS.values()
     modules = {module_page(module): title for module, title in MODULES.items()}
-    return dict([start, chinese, *modules.items(), *LISTS.items(), *((page, COPIES[page]) for page in copied), *others])
+    copies = [(page, COPIES[page]) for page in copied]
+    return dict([*first, *modules.items(), *LISTS.items(), *copies, contributing, changes])
 
 
 def configure(titles: Mapping[str, str]) -> None:
@@ -214,7 +239,7 @@ def configure(titles: Mapping[str, str]) -> None:
         template_directory=RENDERS / "templates",
     )
     public = {f"pymunk_dragon.{name}" for name in pymunk_dragon._MODULES.values()}
-    render.env.globals.update(titles=titles, public=public, version=version)
+    render.env.globals.update(titles=titles, headings=HEADINGS, public=public, version=version)
 
 
 def documented_modules() -> dict[str, doc.Module]:
@@ -243,18 +268,17 @@ def build(directory: Path, commands: Mapping[str, str], copies: Path = RENDERS) 
     configure(titles)
     modules = documented_modules()
     members = {name: anchors(module) for name, module in modules.items()}
-    texts = {page: (ROOT / file).read_text(encoding="utf-8") for file, (page, _) in TEXTS.items()}
+    texts = {page: (ROOT / file).read_text("utf-8").replace("](../", "](renders/") for file, (page, _) in TEXTS.items()}
+    texts["teachers.html"] = texts["teachers.html"].replace("`make docs` writes the table here.", lessons_text())
     docstrings = {module_page(name): module.docstring for name, module in modules.items()}
     lists = {"names.html": names_text(), "gallery.html": gallery_text(docstrings | texts, commands)}
 
-    if directory.exists():
-        shutil.rmtree(directory)
+    shutil.rmtree(directory, ignore_errors=True)
     template = render.env.get_template("page.html.jinja2")
     for page, text in (texts | lists).items():
         language = "zh" if page.endswith(".zh.html") else "en"
         whole = template.render(title=titles[page], content=to_html(text), current=page)
-        whole = whole.replace('<html lang="en">', f'<html lang="{language}">', 1)
-        write(directory / page, with_links(page, whole, members))
+        write(directory / page, with_links(page, whole.replace('lang="en"', f'lang="{language}"', 1), members))
     everything = {module.modulename: module for module in modules.values()}
     # There is no setting for annotations: pdoc calls this function of Python's for those of results and fields, and
     # Python itself for those of parameters.
@@ -263,16 +287,17 @@ def build(directory: Path, commands: Mapping[str, str], copies: Path = RENDERS) 
         for name, module in modules.items():
             page = module_page(name)
             write(directory / page, with_links(page, render.html_module(module, everything), members))
-        for module in modules.values():
+        # pdoc searches docstrings of modules only.
+        everything |= {name: doc.Module(ModuleType(name, texts[f"{name}.html"])) for name in GUIDES}
+        for module in everything.values():
             # Results of a search are shown on pages in other folders, where relative addresses lead nowhere.
             vars(module)["docstring"] = RELATIVE.sub(lambda found: found[2] or "", module.docstring)
-        write(directory / "search.js", render.search_index(everything))
-    for picture in (*RENDERS.glob("*.*"), *RENDERS.glob("figures/*.*")):
-        if picture.suffix in PICTURES:
-            copy(picture, directory / picture.relative_to(RENDERS))
-    for name in copied:
-        copy(copies / name, directory / name)
-    copy(ROOT / CITATION, directory / CITATION)
+        order = (RENDERS / "templates" / "search_order.js").read_text(encoding="utf-8")
+        write(directory / "search.js", f"{render.search_index(everything)}\n{order}")
+    (directory / "figures").mkdir()
+    pictures = [path for path in (*RENDERS.glob("*.*"), *RENDERS.glob("figures/*.*")) if path.suffix in PICTURES]
+    for source in (*pictures, *(copies / name for name in copied), ROOT / CITATION):
+        shutil.copyfile(source, directory / ("figures" if source.parent.name == "figures" else "") / source.name)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""The texts for users, README and the long docstrings of modules, and the code that they show."""
+"""The texts for users, README, guides and the long docstrings of modules, and the code that they show."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 
+from documentation import GUIDES as NAMES
 from documentation import MODULES
 
 ROOT = Path(__file__).parent.parent
@@ -23,6 +24,11 @@ class Document:
     def blocks(self, language: str) -> list[str]:
         """The blocks of code of a language."""
         return [text for found, text in re.findall(r"```(\w+)\n(.*?)```", self.text, re.DOTALL) if found == language]
+
+    @property
+    def snippets(self) -> list[tuple[str, str]]:
+        """Each block of Python, and the output that stands below it."""
+        return re.findall(r"```python\n(.*?)```(?:\n\n```text\n(.*?)```)?", self.text, re.DOTALL)
 
     @property
     def shown(self) -> list[tuple[str, str]]:
@@ -46,10 +52,12 @@ class Document:
         return {text.splitlines()[0].removeprefix("# "): text for text in self.blocks("toml")}
 
 
-def module_documents() -> list[Document]:
-    """The docstrings of the modules that have a page in the documentation."""
-    return [Document(f"pymunk_dragon.{name}", import_module(f"pymunk_dragon.{name}").__doc__ or "") for name in MODULES]
-
-
 README, CHINESE = (Document(name, (ROOT / name).read_text(encoding="utf-8")) for name in ("README.md", "README.zh.md"))
-DOCUMENTS = [README, CHINESE, *module_documents()]
+GUIDES = {
+    name: Document(
+        name, (ROOT / f"renders/guides/{name}.md").read_text(encoding="utf-8").replace("](../", "](renders/")
+    )
+    for name in NAMES
+}
+MODULE_TEXTS = [Document(name, import_module(name).__doc__ or "") for name in map("pymunk_dragon.{}".format, MODULES)]
+DOCUMENTS = [README, CHINESE, *GUIDES.values(), *MODULE_TEXTS]

@@ -1,6 +1,7 @@
 """The site that `make docs` builds: complete, without a network, and without a broken link."""
 
 import os
+import re
 import shlex
 import subprocess
 import sys
@@ -8,6 +9,7 @@ import tarfile
 import tomllib
 import venv
 import zipfile
+from itertools import pairwise
 from urllib.parse import unquote, urlsplit
 
 import documentation
@@ -15,10 +17,11 @@ import numpy as np
 import pytest
 from browser import needs_browser, opened, wait_until
 from bs4 import BeautifulSoup
-from documents import DOCUMENTS, ROOT
+from documents import DOCUMENTS, GUIDES, ROOT
 
 import pymunk_dragon
 from pymunk_dragon import Dragon, March, Run, write_player
+from pymunk_dragon.lessons import LESSONS
 
 RENDERS = ROOT / "renders"
 
@@ -81,7 +84,24 @@ def test_every_public_name_has_its_place_on_a_page_with_an_example(site, pages):
     for name in pymunk_dragon.__all__:
         [link] = {link for link in names if link.endswith(f"#{name}")}
         section = pages[site / link.partition("#")[0]].soup.find("section", id=name)
-        assert "Examples" in [each.text for each in section.find_all("h6")] or name.endswith("Error")
+        assert "Examples" in [each.text for each in section.find_all("h2")] or name.endswith("Error")
+
+
+@pytest.mark.thorough
+def test_links_have_names_headings_skip_no_level_and_what_scrolls_has_focus(pages):
+    for path, page in pages.items():
+        links = page.soup.find_all("a")
+        assert all(each.text.strip() or each.get("aria-label") or each.find("img", alt=True) for each in links), (
+            path.name
+        )
+        levels = [int(each.name[1]) for each in page.soup.main.find_all(re.compile("h[1-6]"))]
+        assert all(after <= before + 1 for before, after in pairwise(levels)), path.name
+        assert all(each.has_attr("tabindex") for each in page.soup.find_all(["pre", "table"])), path.name
+
+
+def test_teachers_find_every_lesson_below_a_question():
+    _, section, *_ = re.split("^## (?=Which lesson)|^## (?=What each)", GUIDES["teachers"].text, flags=re.MULTILINE)
+    assert set(re.findall(r"`([a-z-]+)`", section)) == set(LESSONS)
 
 
 def test_every_committed_picture_is_described_in_a_text():
@@ -105,10 +125,12 @@ def test_pages_fit_the_window_and_request_only_files(browser, site, pages):
 
 @pytest.mark.thorough
 @needs_browser
-def test_search_finds_a_public_name(browser, site):
+def test_search_finds_a_public_name_and_lists_guides_before_attributes(browser, site):
     with opened(browser, (site / "index.html").as_uri()) as seen:
         seen.page.fill("input[type=search]", "first_contact")
         wait_until(seen.page, "document.querySelectorAll('main a[href*=\"#first_contact\"]').length > 0")
+        seen.page.fill("input[type=search]", "chain")
+        wait_until(seen.page, "document.querySelector('.search-result a')?.getAttribute('href') === 'chains.html'")
         seen.page.fill("input[type=search]", "gap")
         wait_until(seen.page, "document.querySelector('main').innerText.includes(\"results for 'gap'\")")
         assert [text for text in seen.complaints if "Failed" in text] == []
@@ -154,7 +176,15 @@ def test_archives_are_complete_and_an_index_would_accept_them(archives):
     assert {name for name in zipfile.ZipFile(archives[0]).namelist() if ".dist-info/" not in name} == files
     with tarfile.open(archives[1]) as archive:
         packed = {name.partition("/")[2] for name in archive.getnames()}
-    read = ("README.md", "README.zh.md", "LICENSE", "Makefile", "renders/documentation.py", "tests/conftest.py")
+    read = (
+        "README.md",
+        "README.zh.md",
+        "LICENSE",
+        "Makefile",
+        "renders/documentation.py",
+        "renders/guides/live.md",
+        "tests/conftest.py",
+    )
     assert packed >= files.union(read)
     assert not any(name.startswith(("renders/docs", ".venv", "renders/march")) for name in packed)
 

@@ -1,4 +1,4 @@
-"""What README, the long docstrings and the examples of docstrings show runs as it stands."""
+"""What README, the guides, the long docstrings and the examples of docstrings show runs as it stands."""
 
 from __future__ import annotations
 
@@ -23,8 +23,9 @@ from pymunk_dragon.cli import command, main
 by_other_document = pytest.mark.parametrize(
     "document", [each for each in DOCUMENTS if each != CHINESE], ids=lambda document: document.name
 )
-# A pile falls otherwise where doubles are rounded otherwise; most of the picture stays as it is.
-PILE_SHARE = 0.3
+# A pile falls otherwise where doubles are rounded otherwise; most of the picture stays as it is, and of what a program
+# of a guide measures, the size.
+PILE_SHARE = MEASURED = 0.3
 # What no run repeats: seconds, and how many times as fast as real time. The engine's errors depend on rounding.
 VARIES = re.compile(r"[\d.]+ times as fast|\d+\.\d\d$|drift .*;", re.MULTILINE)
 # mm: 1e-10 m in the documentation.
@@ -39,30 +40,36 @@ MODULES = [
 PACKAGES = sorted({".".join(name.split(".")[:2]) for name in MODULES})
 
 
-def assert_same_words_and_numbers(printed, shown):
-    """Word for word, and number for number to a few last digits."""
+def assert_same_words_and_numbers(printed, shown, rel=1e-4, digit=1e-6):
+    """Word for word, and number for number to a few last digits, or to what is given."""
     for one, other in zip(VARIES.sub("", printed).split(), VARIES.sub("", shown).split(), strict=True):
         number = re.fullmatch(r"\(?([-+]?\d[\d.]*)[,);:]*", other)
         if number is None:
             assert one == other
         else:
-            assert float(one.strip("(),;:")) == pytest.approx(float(number[1]), rel=1e-4, abs=1e-6)
+            assert float(one.strip("(),;:")) == pytest.approx(float(number[1]), rel=rel, abs=digit)
 
 
 @pytest.mark.thorough
 @by_other_document
 def test_snippets_run_and_print_what_they_say(document, tmp_path, monkeypatch, capsys, golden):
     monkeypatch.chdir(tmp_path)
-    for snippet in document.blocks("python"):
-        exec(compile(snippet, document.name, "exec"), {})
+    monkeypatch.setattr("builtins.input", lambda prompt: "")
+    monkeypatch.setattr("webbrowser.open", lambda address: True)
+    names = {}
+    for snippet, shown in document.snippets:
+        exec(compile(snippet, document.name, "exec"), names)
         out = capsys.readouterr().out
+        if shown:
+            assert_same_words_and_numbers(out, shown, MEASURED, 2e-3)
         if "near_misses" in snippet:
             assert "[ 5.79920903 -5.77109234]" in out
             assert "412.4738376821" in out
             assert (tmp_path / "last_seconds.gif").exists()
-        if "debug_draw.png" in snippet:
-            with Image.open(tmp_path / "debug_draw.png") as picture:
-                golden(picture, str(ROOT / "renders" / "debug_draw"), share=PILE_SHARE)
+    for path in tmp_path.glob("*.png"):
+        if (ROOT / "renders" / path.name).exists():
+            with Image.open(path) as picture:
+                golden(picture, str(ROOT / "renders" / path.stem), share=PILE_SHARE)
 
 
 @pytest.mark.thorough

@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 import pymunk
 import pytest
+from documents import GUIDES
 from live_sessions import decoded
 
-from pymunk_dragon import sessions
 from pymunk_dragon.sessions import Live
 from pymunk_dragon.sessions.scene import Play, Scene
 
@@ -120,7 +120,7 @@ def test_page_gets_what_pymunk_draws_of_its_examples_at_the_start_and_after_2_s(
 
 OPENS = "session = live({space}, step=None, {down}units='px', controls=[PygameEvents()])"
 STEPS = 40
-ROWS = re.findall(r"^\| ([\w, ]+) \| `(.+)` \| `(.+)` \| (up|down) \|$", sessions.__doc__, re.MULTILINE)
+ROWS = re.findall(r"^\| ([\w, ]+) \| `(.+)` \| `(.+)` \| (up|down) \|$", GUIDES["live"].text, re.MULTILINE)
 CHANGED = [(name, *others) for names, *others in ROWS for name in names.split(", ")]
 
 
@@ -135,7 +135,7 @@ class Clock:
 
 
 def changed(source, space_line, step_line, direction):
-    """The source of an example with the lines of the table in the documentation, and how many lines changed."""
+    """The source of an example with the lines of the table in the guide, and how many lines changed."""
     lines = ["from __future__ import annotations", "from pymunk_dragon import PygameEvents, live"]
     owner = "self." if space_line.startswith("self.") else ""
     count = 1
