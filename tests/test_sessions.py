@@ -28,12 +28,13 @@ from conftest import assert_says, linux_only
 from live_sessions import PATIENCE, greeting, joined, played, replay_session, replayed, served
 
 from pymunk_dragon.errors import DragonError, MissingExtraError, ParameterError
+from pymunk_dragon.lessons import LESSONS
 from pymunk_dragon.model.curves import Line
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.sessions import live
-from pymunk_dragon.sessions.ready import dragon, ready
+from pymunk_dragon.sessions.ready import add, dragon, ready
 from pymunk_dragon.sessions.recording import Log, record
 from pymunk_dragon.sessions.session import ACTIONS
 
@@ -180,13 +181,18 @@ def test_dragon_keeps_to_the_exact_model_and_without_dancers_bench_1_meets_bench
 
 
 def test_scenes_of_lessons_tell_the_calls_of_a_contact_and_the_force_that_drags_at_a_chain():
+    for name in ("callbacks", "tension"):
+        add(**LESSONS[name].scene())
     with played("callbacks") as on:
-        on.run(2.0)
-        calls = [event.split(",")[0] for event in on.events]
-        assert calls[:3] == ["begin", "pre_solve", "post_solve"]
+        on.run(1.0)
+        calls = ["0.00 N s   begin", "0.00 N s   pre_solve", "3.29 N s   post_solve"]
+        assert on.events[:3] == [f"impulse {call}" for call in calls]
     with played("tension") as on:
-        on.run(2.0)
-        assert on.scene.plots()["Force in the first joint (N)"] == pytest.approx(12 * 10 * np.log(2))
+        for dancers in (0, 12):
+            on.do("set", name="dancers", value=dancers)
+            on.run(10.0)
+            force = on.scene.plots()["Force in the first joint (N)"]
+            assert force == pytest.approx((24 - dancers) * 10 * (1 - 0.5**0.01) / 0.01)
 
 
 def test_dragon_keeps_its_place_where_the_time_step_changes():
