@@ -65,7 +65,7 @@ def touch(on, steps):
         "drop": [{}],
         "set": [{"name": "iterations", "value": 17.0}, {"name": "step", "value": 6.3}],
     }
-    if "dancers" in on.scene.abilities:
+    if on.scene.state()["contacts"]:
         actions["set"] += [{"name": "drag", "value": 4.4}, {"name": "speed", "value": 1.3}]
         actions |= {"release": [{"bench": 8}], "contacts": [{"value": "report"}, {"value": "resolve"}], "hold": [{}]}
     else:

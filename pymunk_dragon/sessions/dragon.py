@@ -36,12 +36,14 @@ _OBSTACLE = 1_000_000
 class DragonScene(Scene):
     """A dragon whose head is pulled along a march; see `Scene` and `World`."""
 
-    abilities = ("dancers", "cut", "obstacles", "contacts", "ghost")
     # Not the joints of the dancers.
     drawn = DrawRecorder.DRAW_SHAPES
 
     def __init__(self, march: March, values: _Values, *, contacts: str = "resolve", start: float = 0.0) -> None:
-        self.march = march = _changed(march, values)
+        changes = {name: values[name] for name in ("pitch", "width", "benches") if name in values}
+        if changes:
+            march = Scenario.from_dict(Scenario.of(march).values() | changes, files=False).march()
+        self.march = march
         speed = top_speed(march, start, None)
         usual = {"step": _STRIDE / speed, "iterations": _ITERATIONS, "drag": EngineSettings.drag, "speed": speed}
         self._given = usual | dict(values)
@@ -51,7 +53,6 @@ class DragonScene(Scene):
         (x, y), (width, height) = (low + high) / 2, high - low + march.dragon.lengths.max()
         super().__init__(self.world.space, Play(step=self.world.substep, field=(x, y, width, height)))
         self.time = self.march_time = start
-        self._ended = False
         self._numbers: dict[pymunk.Shape, int] = {shape: number for number, shape in enumerate(self.world.shapes)}
         # Rows of the contacts of pairs that touch, and of those in the step before.
         self._touching: dict[tuple[int, ...], list[tuple[float, ...]]] = {}
@@ -84,20 +85,16 @@ class DragonScene(Scene):
         self.world.change(**_settings(self.values))
         self.step_length = self.world.substep
 
-    # ---- time
-
     def advance(self) -> None:
         """Make a step of the dragon."""
         world = self.world
         if not world.follow(_HEAD_LAG, _BRAKING, self.values["speed"] / world.top_speed, recovers=self._held is None):
-            self.events += [] if self._ended else ["the head is at the end of its path"]
-            self._ended = self.stops = True
+            self.events.append("the head is at the end of its path")
+            self.stops = True
         self._touched, self._touching = self._touching, {}
         super().advance()
         world.read()
         self.march_time = world.time
-
-    # ---- contacts, dancers, joints
 
     def _touch(self, arbiter: pymunk.Arbiter, space: pymunk.Space, solved: bool) -> None:
         """Note a contact of this step, tell of it if it begins, and stop at it if contacts do so."""
@@ -132,8 +129,6 @@ class DragonScene(Scene):
         """Return the joints between benches that were not cut; those of guide and motor are not shown."""
         return [pivot for pivot in self.world.pivots if pivot.max_force > 0]
 
-    # ---- what is shown
-
     def to_dict(self) -> dict[str, Any]:
         """Return what the page gets once: the sizes of the benches, and the curve."""
         dragon = self.march.dragon
@@ -160,16 +155,9 @@ class DragonScene(Scene):
             "contacts": np.array([row for rows in self._touching.values() for row in rows]).reshape(-1, 5),
         }
         touching = sorted({number for pair in self._touching for number in pair} - {_OBSTACLE})
-        waits = self.world.share < 1 and not self._ended
-        return {"march_time": self.march_time, "touching": touching, "waits": waits}, arrays
+        return {"march_time": self.march_time, "touching": touching, "waits": self.world.share < 1}, arrays
 
 
 def _settings(values: _Values) -> dict[str, Any]:
     """Return the settings of the engine for values of the sliders."""
     return {"substep": values["step"] / 1e3, "iterations": int(values["iterations"]), "drag": values["drag"]}
-
-
-def _changed(march: March, values: _Values) -> March:
-    """Return the march with other values of what a slider rebuilds."""
-    changes = {name: values[name] for name in ("pitch", "width", "benches") if name in values}
-    return Scenario.from_dict(Scenario.of(march).values() | changes, files=False).march() if changes else march

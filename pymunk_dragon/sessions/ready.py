@@ -23,7 +23,6 @@ from pymunk_dragon.sessions.dragon import DragonScene
 from pymunk_dragon.sessions.scene import Play, Scene
 
 _Values = Mapping[str, float]
-_Pair = tuple[float, float]
 # Properties of a space that a slider without an action may have.
 _PROPERTIES = ("gravity", "damping", "iterations")
 
@@ -93,7 +92,7 @@ def _at_start(control: Any, arguments: Mapping[str, Parameter]) -> Any:
     if not isinstance(control, Slider):
         return control
     name, value, argument = control.name, control.value, arguments.get(control.name)
-    if not (argument or control.action or name in _PROPERTIES):
+    if not (argument or ((control.action or name in _PROPERTIES) and not control.rebuilds)):
         known = ", ".join(arguments) or "none"
         raise ParameterError("controls", name, f"an argument of the function that builds the space ({known})")
     if argument and value is None:
@@ -154,11 +153,12 @@ def _space() -> pymunk.Space:
     return space
 
 
-def _box(space: pymunk.Space, size: _Pair, position: _Pair) -> pymunk.Body:
-    """Return a new box of 1 kg in a space."""
+def _box(space: pymunk.Space, size: tuple[float, float], x: float, y: float, group: int = 0) -> pymunk.Body:
+    """Return a new box of 1 kg in a space; boxes of the same group but 0 pass through each other."""
     body = pymunk.Body(1.0, pymunk.moment_for_box(1.0, size))
-    body.position = position
-    space.add(body, pymunk.Poly.create_box(body, size))
+    body.position, shape = (x, y), pymunk.Poly.create_box(body, size)
+    shape.friction, shape.filter = 0.7, pymunk.ShapeFilter(group=group)
+    space.add(body, shape)
     return body
 
 
@@ -174,11 +174,8 @@ def _robot_arm(values: _Values) -> Scene:
 def _pendulum() -> pymunk.Space:
     """Pull it up and drop it. Then cut a joint."""
     space = _space()
-    rods = [_box(space, (1.0, 0.08), (number + 0.5, 0.0)) for number in range(3)]
-    for before, rod in pairwise([space.static_body, *rods]):
-        space.add(pymunk.PivotJoint(before, rod, rod.local_to_world((-0.5, 0.0))))
-    for shape in space.shapes:
-        shape.filter = pymunk.ShapeFilter(group=1)
+    rods = [_box(space, (1.0, 0.08), number + 0.5, 0.0, group=1) for number in range(3)]
+    space.add(*(pymunk.PivotJoint(*pair, (x, 0.0)) for x, pair in enumerate(pairwise([space.static_body, *rods]))))
     return space
 
 
@@ -201,11 +198,11 @@ def _cradle() -> pymunk.Space:
 )
 def _boxes(rows: int = 8) -> pymunk.Space:
     """Pull a box out of the stack. Fewer iterations make it soft."""
-    space = _space()
-    space.add(pymunk.Segment(space.static_body, (-0.3 * rows - 3.6, 0.0), (0.3 * rows + 3.6, 0.0), 0.05))
+    space, reach = _space(), 0.3 * rows + 3.6
+    ground = pymunk.Segment(space.static_body, (-reach, 0.0), (reach, 0.0), 0.05)
+    ground.friction = 0.7
+    space.add(ground)
     for row in range(rows):
         for column in range(rows - row):
-            _box(space, (0.5, 0.5), (0.55 * (column - (rows - 1 - row) / 2), 0.3 + 0.5 * row))
-    for shape in space.shapes:
-        shape.friction = 0.7
+            _box(space, (0.5, 0.5), 0.55 * (column - (rows - 1 - row) / 2), 0.3 + 0.5 * row)
     return space

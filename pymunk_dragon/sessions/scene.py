@@ -38,14 +38,11 @@ class Play:
     units: str = "m"
     # Centre, width and height of the area to show at first; by default that of all shapes and joints.
     field: tuple[float, float, float, float] | None = None
-    # What the page shows at first beside the usual: "forces", "handles", "labels", "centres".
-    show: tuple[str, ...] = ()
 
 
 class Scene:
     """Any Pymunk space, drawn as Pymunk's debug drawing draws it."""
 
-    abilities: tuple[str, ...] = ("cut", "obstacles", "until_contact")
     # What pictures and the page show of Pymunk's debug drawing; contacts are sent apart.
     drawn = DrawRecorder.DRAW_SHAPES | DrawRecorder.DRAW_CONSTRAINTS
 
@@ -93,8 +90,6 @@ class Scene:
         if not self._readings.are_finite():
             raise DragonError("the bodies flew apart: reset, and take shorter steps")
 
-    # ---- what controls change
-
     def _sliders(self) -> list[Slider]:
         """Return the sliders that any space has."""
         ms, space, g = 1e3 * self.step_length, self.space, self.space.gravity.length
@@ -135,8 +130,6 @@ class Scene:
         if self.pygame is None:
             raise ParameterError("pointer", kind, "sent to a program with PygameEvents")
         self.pygame.pointer(x, y if self.play.y_down else self.field["size"][1] - y, kind)
-
-    # ---- what a hand does
 
     def grab(self, x: float, y: float, slip: float) -> None:
         """Hold the nearest body that can move and has a point within `slip` of a point of the world."""
@@ -189,8 +182,6 @@ class Scene:
             raise ParameterError("obstacle", obstacle, "the number of an obstacle")
         self.space.remove(self._obstacles.pop(obstacle)[1])
 
-    # ---- what is shown
-
     def to_dict(self) -> dict[str, Any]:
         """Return what the page gets once."""
         keys = [each.name for each in self._pressed.values() if isinstance(each, Key)]
@@ -199,12 +190,12 @@ class Scene:
             "step": self.step_length,
             "dragon": None,
             "field": self.field,
-            **{name: getattr(self.play, name) for name in ("y_down", "units", "show")},
+            "y_down": self.play.y_down,
+            "units": self.play.units,
             "parameters": now,
             "buttons": [name for name in self._pressed if name not in keys],
             "keys": ["*"] if self.pygame else keys,
             "plots": list(self.plots()),
-            "abilities": (*self.abilities, "pointer") if self.pygame else self.abilities,
         }
 
     def state(self) -> dict[str, Any]:

@@ -107,7 +107,7 @@ class Lesson:
         """What the first cell builds: its function, what the page tells of it, and how it is played."""
         found: dict[str, Any] = {}
         exec(self.cells[0], found)
-        about = {"name": self.options["scene"], "title": self.texts["Title"], "lesson": self.name, "show": ("forces",)}
+        about = {"name": self.options["scene"], "title": self.texts["Title"], "lesson": self.name}
         return {"build": found["build"], "field": tuple(self.options["view"]), **about, **found["LIVE"]}
 
     def sections(self, language: str = "en") -> Mapping[str, str]:

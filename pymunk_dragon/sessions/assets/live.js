@@ -84,7 +84,8 @@ class Live extends Stage {
       this.follow = "field";
       this.events = [];
       this.showEvents();
-      for (const name of SWITCHES) this.shown[name] = [...SHOWN_BY_DEFAULT, ...scene.show].includes(name);
+      const own = STAGE && !scene.dragon ? ["forces"] : []; // in a lesson on forces
+      for (const name of SWITCHES) this.shown[name] = [...SHOWN_BY_DEFAULT, ...own].includes(name);
       setText("announcement", translated(scene.title));
     }
     showScene(this);
