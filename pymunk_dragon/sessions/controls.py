@@ -131,18 +131,16 @@ class PygameEvents:
             keys[code] = down
             mods = pygame.KMOD_SHIFT * keys[pygame.K_LSHIFT] | pygame.KMOD_CTRL * keys[pygame.K_LCTRL]
             pygame.key.set_mods(mods)
-            text = name if len(name) == 1 else ""
-            self._post(pygame.KEYDOWN if down else pygame.KEYUP, key=code, mod=mods, unicode=text, scancode=0)
+            kind, text = pygame.KEYDOWN if down else pygame.KEYUP, name if len(name) == 1 else ""
+            pygame.event.post(pygame.event.Event(kind, key=code, mod=mods, unicode=text, scancode=0))
 
     def pointer(self, x: float, y: float, kind: str) -> None:
         """Post the event of the pointer at a pixel of pygame's window: "down", "up" or "move"."""
-        before, self._place = self._place, (round(x), round(y))
+        event, before, self._place = self._pygame.event, self._place, (round(x), round(y))
         self._button = kind == "down" or (kind == "move" and self._button)
         moved = self._place[0] - before[0], self._place[1] - before[1]
         name = {"down": "MOUSEBUTTONDOWN", "up": "MOUSEBUTTONUP", "move": "MOUSEMOTION"}[kind]
         buttons = int(self._button), 0, 0
         # Each event has the attributes of all three.
-        self._post(getattr(self._pygame, name), pos=self._place, rel=moved, button=1, buttons=buttons)
-
-    def _post(self, kind: int, **values: object) -> None:
-        self._pygame.event.post(self._pygame.event.Event(kind, values))
+        values = {"pos": self._place, "rel": moved, "button": 1, "buttons": buttons}
+        event.post(event.Event(getattr(self._pygame, name), values))

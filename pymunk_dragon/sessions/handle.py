@@ -178,8 +178,8 @@ def live(
     """
     path = None if record is None else check_destination(record, RECORDING_ENDINGS)
     length = None if step is None else finite("step", step, 1e-6, MAX_STEP, "s")
-    keywords: Any = {"plots": plots or {}, "y_down": y_down, "units": units}
-    play = Play(step=length, on_step=on_step, controls=controls, events=events, **keywords)
+    seen: Any = {"plots": plots or {}, "events": events, "y_down": y_down, "units": units}
+    play = Play(step=length, on_step=on_step, controls=controls, **seen)
     session = Session(source_of(what, play), running=not paused)
     return Live(session, path, browser=browser, host=host, port=port, allow_hosts=allow_hosts)
 

@@ -67,10 +67,9 @@ class Scene:
         known = {each.name: each for each in self._sliders()}
         own = {each.name: each for each in play.controls if isinstance(each, Slider)}
         self.parameters = own | known | own
-        # Values at the start: of one without, that of the space, or the lowest.
-        lowest = {name: each.low for name, each in own.items()}
+        # Values at the start: of a slider without, that of the space, or the lowest.
         given = {each.name: each.value for each in [*known.values(), *own.values()] if each.value is not None}
-        self.values: dict[str, float] = lowest | given
+        self.values: dict[str, float] = {name: each.low for name, each in own.items()} | given
         self.fit()
 
     def fit(self) -> None:
@@ -210,8 +209,7 @@ class Scene:
 
     def plots(self) -> dict[str, float]:
         """Return quantities for charts: energy, momentum, and those of the user's."""
-        own = {name: float(quantity(self.space)) for name, quantity in self.play.plots.items()}
-        return energies(self.space) | own
+        return energies(self.space) | {name: float(plot(self.space)) for name, plot in self.play.plots.items()}
 
     def frame(self, header: Mapping[str, Any]) -> bytes:
         """Return the present state as `in_binary` does, with the session's part of the header."""

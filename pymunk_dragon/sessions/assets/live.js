@@ -69,8 +69,8 @@ class Live extends Stage {
 
   setScene(scene) {
     this.showBuilding(false);
-    const wanted = !this.scene && STAGE && scene.name !== STAGE && scene.role === "control";
-    if (wanted) this.send({ do: "scene", name: STAGE });
+    // A stage begins anew when it is opened.
+    if (!this.scene && STAGE && scene.role === "control") this.send({ do: "scene", name: STAGE });
     const same = this.scene?.name === scene.name;
     this.scene = scene;
     this.frame = this.framePoses = null;
