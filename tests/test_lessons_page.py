@@ -16,7 +16,7 @@ from pymunk_dragon.lessons._framework.lesson import blocks
 from pymunk_dragon.lessons._framework.notebook import make_notebook
 from pymunk_dragon.lessons._framework.page import make_page
 from pymunk_dragon.sessions.handle import Live
-from pymunk_dragon.sessions.ready import ready
+from pymunk_dragon.sessions.ready import add, ready
 from pymunk_dragon.sessions.session import Session
 
 ALL = list(LESSONS.values())
@@ -224,6 +224,8 @@ def test_sheets_for_the_class_have_no_answers_and_those_for_the_teacher_do(seen)
 @needs_browser
 def test_experiments_with_pymunk_are_live_on_a_live_server(browser):
     page = make_page([played("callbacks"), played("tension")], live=True)
+    for name in ("callbacks", "tension"):
+        add(**LESSONS[name].scene())
     session = Session(ready("unguided"))
     with (
         Live(session, host="127.0.0.1", port=0, front=page) as running,

@@ -72,7 +72,8 @@ class LiveCharts {
     this.model = model;
     for (const chart of Object.values(this.charts)) chart.clear();
     element("charts-error").hidden = !model.can("ghost");
-    this.quantities = model.scene.plots.map((name) => new Quantity(name, model.unitOf(name), this.painter));
+    const names = model.benches ? [] : model.scene.plots; // a dragon has the charts above
+    this.quantities = names.map((name) => new Quantity(name, model.unitOf(name), this.painter));
     element("charts-own").replaceChildren(...this.quantities.map(({ figure }) => figure));
     element("save-charts").hidden = !this.quantities.length;
     this.setTexts();
