@@ -27,15 +27,13 @@ import pytest
 from conftest import assert_says, linux_only
 from live_sessions import PATIENCE, greeting, joined, played, replay_session, replayed, served
 
-from pymunk_dragon.errors import DragonError, MissingExtraError, ParameterError
+from pymunk_dragon.errors import DragonError, MissingExtraError
 from pymunk_dragon.model.curves import Line
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
-from pymunk_dragon.model.run import Run
 from pymunk_dragon.sessions import live
 from pymunk_dragon.sessions.ready import dragon, ready
-from pymunk_dragon.sessions.recording import Log, record
-from pymunk_dragon.sessions.session import ACTIONS
+from pymunk_dragon.sessions.session import ACTIONS, Log
 
 SHORT = March(Dragon(benches=20))
 
@@ -92,8 +90,8 @@ def test_replay_of_a_saved_session_ends_in_the_same_state_to_the_bit_and_reset_u
         # After the last step.
         assert on.do("obstacle", shape="round", x=0.0, y=0.0, size=0.3) is None
         with on.session.held:
-            log = Log.of(on.session)
-            record(on.session, tmp_path / "session.json")
+            log = on.session.log()
+            log.save(tmp_path / "session.json")
         assert on.do("reset") is None
         assert without_generation(on.session) == fresh
         assert (on.scene.steps, on.scene.time, on.session.inputs) == (0, 0.0, [])
@@ -101,7 +99,7 @@ def test_replay_of_a_saved_session_ends_in_the_same_state_to_the_bit_and_reset_u
     assert read.to_json() == log.to_json()
     poses, session = replayed(read)
     assert poses == log.poses
-    assert Log.of(session).inputs == log.inputs
+    assert session.log().inputs == log.inputs
     # The replay of other inputs ends elsewhere.
     step, message = read.inputs[1]
     read.inputs[1] = step, {**message, "x": message["x"] + 1e-6}
@@ -130,7 +128,7 @@ def test_replay_goes_on_where_the_recorded_session_paused_at_a_contact():
         on.do("obstacle", shape="square", x=2.0, y=0.1, size=1.0)
         assert on.step(1000) < 1000
         assert on.step(50) == 50
-        log = Log.of(on.session)
+        log = on.session.log()
     assert replayed(log)[0] == log.poses
 
 
@@ -150,7 +148,7 @@ def test_inputs_are_refused_during_a_replay_and_another_scene_ends_it():
         on.step(30)
         on.do("cut", **joint_at(on, 5))
         on.step(1)
-        log = Log.of(on.session)
+        log = on.session.log()
     errors = []
     session, _ = replay_session(log, lambda session: session.post({"do": "release", "bench": 2}, errors.append))
     assert session.wait_for_replay() == log.poses
@@ -291,7 +289,7 @@ def test_sliders_that_rebuild_begin_anew_with_their_value():
         assert set(described["dragon"]["widths"]) == {0.25}
         on.run(0.5)
         assert on.frame().errors.max() < 1e-4
-        log = Log.of(on.session)
+        log = on.session.log()
     assert replayed(log)[0] == log.poses
 
 
@@ -314,7 +312,7 @@ def test_values_out_of_range_and_things_that_do_not_exist_are_refused_and_change
     for source in (dragon(SHORT), ready("boxes")):
         with played(source) as on:
             on.step(3)
-            before = on.session.state(), Log.of(on.session)
+            before = on.session.state(), on.session.log()
             for action, many in impossible.items():
                 for arguments in many:
                     assert_says(ValueError(on.do(action, **arguments)))
@@ -323,7 +321,7 @@ def test_values_out_of_range_and_things_that_do_not_exist_are_refused_and_change
                 for value in values + [each.low + 0.5] * each.whole:
                     error = ValueError(on.do("set", name=each.name, value=value))
                     assert_says(error, each.name if math.isfinite(value) else "value")
-            assert (on.session.state(), Log.of(on.session)) == before
+            assert (on.session.state(), on.session.log()) == before
 
 
 def test_reset_puts_a_space_of_ones_own_back():
@@ -679,7 +677,7 @@ def test_recording_that_is_tampered_with_or_none_is_refused_in_one_line(call, tm
         on.do("grab", x=0.5, y=0.0, slip=0.1)
         on.do("drag", x=1.0, y=1.0)
         on.step(20)
-    log = json.loads(Log.of(on.session).to_json())
+    log = json.loads(on.session.log().to_json())
     small = {"scenario": {"dragon": {"benches": 4}}}
     enormous = [0, {"do": "set", "name": "iterations", "value": 1e300}]
     for expected, changes in (
@@ -705,23 +703,6 @@ def test_recording_that_is_tampered_with_or_none_is_refused_in_one_line(call, tm
         code, _, err = call("live", "--exit", "--replay", tmp_path / name)
         assert (code, err.count("\n")) == (2, 1), name
         assert name in err
-
-
-def test_recorded_session_of_a_dragon_becomes_a_run(tmp_path):
-    for source in (dragon(SHORT), ready("pendulum")):
-        with played(source) as on:
-            on.run(0.25)
-            assert on.do("obstacle", shape="square", x=2.0, y=0.0, size=0.3) is None
-            on.run(0.25)
-        if source.name == "own":
-            record(on.session, tmp_path / "own.npz")
-            found = Run.load(tmp_path / "own.npz")
-            assert (found.times[0], found.times[-1]) == pytest.approx((0.0, 0.5))
-            np.testing.assert_array_equal(found.poses[-1], on.scene.poses())
-            assert found.drift.max() < 1e-5
-        else:
-            with pytest.raises(ParameterError):
-                record(on.session, tmp_path / "space.npz")
 
 
 def odd_spaces():

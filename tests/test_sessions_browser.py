@@ -20,7 +20,6 @@ from pymunk_dragon.model.march import March
 from pymunk_dragon.sessions.controls import Button
 from pymunk_dragon.sessions.handle import source_of
 from pymunk_dragon.sessions.ready import SCENES, dragon
-from pymunk_dragon.sessions.recording import Log
 from pymunk_dragon.sessions.scene import Play
 
 pytestmark = [pytest.mark.thorough, needs_browser]
@@ -95,7 +94,7 @@ def wait_simulated(page, seconds):
 def log_of(session):
     """The log of a session between two steps."""
     with session.paused():
-        return Log.of(session._session)
+        return session._session.log()
 
 
 def assert_replays(session):

@@ -13,19 +13,16 @@ from pymunk_dragon._language import text
 from pymunk_dragon.cli import common
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.sessions.ready import SCENES, Ready, dragon, planned, ready
-from pymunk_dragon.sessions.recording import RECORDING_ENDINGS, Log, record
-from pymunk_dragon.sessions.session import Session
-
-_RECORD = "File to write at the end: inputs, .json, or the run of a dragon, .npz, which `render` films."
+from pymunk_dragon.sessions.session import RECORDING, Log, Session
 
 
-@common.command("", "near-miss", "--benches 60 --from 300 -o live.json", "--replay live.json --exit -o live.npz")
+@common.command("", "near-miss", "--benches 60 --from 300 -o live.json", "--replay live.json --exit")
 @click.argument("scene", required=False, type=click.Choice(list(SCENES)))
 @common.scenario_options
 @common.start_option
 @click.option("--replay", metavar="FILE", type=click.Path(), help="Play a recording again, .json.")
 @click.option("--exit", "ends", is_flag=True, help="Play the recording without a page, as fast as possible, and exit.")
-@click.option("-o", "--record", "output", metavar="FILE", type=click.Path(), help=_RECORD)
+@click.option("-o", "--record", "output", metavar="FILE", type=click.Path(), help="File .json for the inputs.")
 @common.address_options
 def live(scene: str | None, start: float, replay: str | None, ends: bool, output: str | None, **address: Any) -> None:
     """Play the dragon in real time, and touch it in a browser. A scene has its own dragon."""
@@ -36,14 +33,14 @@ def live(scene: str | None, start: float, replay: str | None, ends: bool, output
         raise click.UsageError("--exit ends a replay: give a recording with --replay")
     if not ends:
         library("aiohttp")
-    path = common.destination_of(output, RECORDING_ENDINGS)
+    path = common.destination_of(output, [RECORDING])
     log = None if replay is None else Log.load(replay)
-    session = Session(_source(scene, log) or dragon(common.march(), start=start))
-    if log is not None:
-        session.play_again(log)
+    session = Session(_source(scene, log) or dragon(common.march(), start=start), log=log)
     if ends:
-        session.replay_until(math.inf)
+        session.speed = math.inf
+        session.start()
         _wait_for_replay(session, log)
+        session.stop()
         _write(session, path)
     else:
         serve(session, log, path, **address)
@@ -89,5 +86,5 @@ def _wait_for_replay(session: Session, log: Log | None) -> None:
 def _write(session: Session, path: Path | None) -> None:
     """Write the recording, if there is a file for it."""
     if path is not None:
-        record(session, path)
+        session.log().save(path)
         common.wrote(path)

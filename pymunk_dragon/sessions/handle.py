@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import sys
 import webbrowser
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from functools import cached_property
 from html import escape
 from importlib.util import find_spec
-from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -22,9 +21,8 @@ from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March
 from pymunk_dragon.sessions.controls import Button, Key, PygameEvents, Slider
 from pymunk_dragon.sessions.ready import Ready, dragon, program, ready
-from pymunk_dragon.sessions.recording import RECORDING_ENDINGS, record
 from pymunk_dragon.sessions.scene import Play
-from pymunk_dragon.sessions.session import MAX_STEP, Session
+from pymunk_dragon.sessions.session import MAX_STEP, RECORDING, Session
 
 if TYPE_CHECKING:
     from pymunk_dragon.sessions.server import Server
@@ -86,7 +84,7 @@ class Live(AbstractContextManager["Live"]):
         for part in self._parts:
             part.stop()
         if self._path is not None:
-            record(self._session, self._path)
+            self._session.log().save(self._path)
 
     def paused(self) -> AbstractContextManager[bool]:
         """Return a context in which the space is not stepped, so that a program may change it."""
@@ -131,8 +129,7 @@ def live(
     Parameters
     ----------
     what : March, pymunk.Space, callable or str, optional
-        What to play: a march, a space, a function that returns a space, or the name of a ready scene; by default the
-        dragon of the contest. Arguments of the function are the values of sliders.
+        A march, a space, a function that returns one, with the values of sliders as arguments, or a ready scene's name.
     step : float, optional
         Length of a step of a space, s. None for a program with a loop of its own, which makes the steps by `Live.step`.
     on_step : callable, optional
@@ -141,15 +138,12 @@ def live(
         What the page has in addition.
     plots : mapping of str to callable, optional
         Functions of the space whose values the page shows as charts, by their titles.
-    y_down, units, paused : bool, str, bool
-        Whether y points down on the page, unit of length, for example "px", and whether to begin paused.
-    browser : bool
-        Whether to open a browser; a notebook with anywidget shows the page itself.
+    y_down, units, paused, browser : bool, str, bool, bool
+        Whether y points down, unit of length ("px"), whether to begin paused, and whether to open a browser.
     host, port, allow_hosts : str, int, sequence of str
-        Address to listen on, by default for programs on this machine only; port, 0 for a free one; and names of hosts
-        under which a proxy shows the page.
+        Address to listen on; port, 0 for a free one; and names under which a proxy shows the page.
     record : path, optional
-        File to write when the session is stopped: .json (inputs), or of a replay of them .npz (the run of a dragon).
+        File .json with the inputs, which is written when the session is stopped.
 
     Raises
     ------
@@ -159,21 +153,19 @@ def live(
     Examples
     --------
     >>> import pymunk
-    >>> from pymunk_dragon import Button, Slider, live
+    >>> from pymunk_dragon import Slider, live
     >>> def build(gravity=900.0, radius=10.0):
     ...     space = pymunk.Space()
     ...     space.gravity = 0, gravity
     ...     body = pymunk.Body(1, 10)
     ...     space.add(body, pymunk.Circle(body, radius))
     ...     return space
-    >>> def kick(space):
-    ...     next(iter(space.bodies)).apply_impulse_at_local_point((0, -500))
-    >>> controls = [Slider("gravity", 0, 2000), Slider("radius", 5, 20, rebuilds=True), Button("Kick", kick)]
+    >>> controls = [Slider("gravity", 0, 2000), Slider("radius", 5, 20, rebuilds=True)]
     >>> with live(build, controls=controls, y_down=True, units="px", browser=False) as session:
     ...     print(session.address.partition(":")[0])
     http
     """
-    path = None if record is None else check_destination(record, RECORDING_ENDINGS)
+    path = None if record is None else check_destination(record, [RECORDING])
     length = None if step is None else finite("step", step, 1e-6, MAX_STEP, "s")
     play = Play(step=length, on_step=on_step, controls=controls, plots=plots or {}, y_down=y_down, units=units)
     session = Session(source_of(what, play), running=not paused)
@@ -187,28 +179,24 @@ def source_of(what: object, play: Play) -> Ready:
     if isinstance(what, March):
         return dragon(what)
     if isinstance(what, pymunk.Space):
-        return program(_again(what), play)
+        states = _states(what)
+        return program(lambda: next(states), play)
     if not callable(what):
         raise ParameterError("what", what, "a March, a pymunk.Space, a function that returns one, or a scene's name")
     return program(what, play)
 
 
-def _again(space: pymunk.Space) -> Callable[[], pymunk.Space]:
-    """Return a function that returns a space, from the second time on as it is now."""
+def _states(space: pymunk.Space) -> Iterator[pymunk.Space]:
+    """Yield a space, and then again and again as it was at first."""
     items: list[pymunk.Body | pymunk.Shape | pymunk.Constraint] = [*space.bodies, *space.shapes, *space.constraints]
     before = [(part, name, getattr(part, name)) for part in (space, *items) for name in _KEPT if hasattr(part, name)]
-    calls = count()
-
-    def build() -> pymunk.Space:
-        if next(calls):
-            # All shapes are removed, as the space keeps contacts of shapes that stay.
-            space.remove(*space.constraints, *space.shapes, *space.bodies)
-            for part, name, value in before:
-                setattr(part, name, value)
-            space.add(*items)
-        return space
-
-    return build
+    while True:
+        yield space
+        # All shapes are removed, as the space keeps contacts of shapes that stay.
+        space.remove(*space.constraints, *space.shapes, *space.bodies)
+        for part, name, value in before:
+            setattr(part, name, value)
+        space.add(*items)
 
 
 def _has_widgets() -> bool:
