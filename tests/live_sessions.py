@@ -25,7 +25,7 @@ PATIENCE = 60.0
 
 def listener(told: list[object]):
     """A client of a session; `told` gets its texts."""
-    return SimpleNamespace(tell=told.append, show=lambda frame: None, controls=True)
+    return SimpleNamespace(tell=told.append, show=lambda frame: None, stop=lambda: None, controls=True)
 
 
 class Played:

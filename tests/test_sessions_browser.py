@@ -21,6 +21,7 @@ from pymunk_dragon.sessions.controls import Button
 from pymunk_dragon.sessions.handle import source_of
 from pymunk_dragon.sessions.ready import SCENES, dragon
 from pymunk_dragon.sessions.scene import Play
+from pymunk_dragon.sessions.session import Log
 
 pytestmark = [pytest.mark.thorough, needs_browser]
 

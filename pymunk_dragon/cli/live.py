@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from time import sleep
 from typing import Any
 
 import click
@@ -13,7 +14,7 @@ from pymunk_dragon._language import text
 from pymunk_dragon.cli import common
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.sessions.ready import SCENES, Ready, dragon, planned, ready
-from pymunk_dragon.sessions.session import RECORDING, Log, Session
+from pymunk_dragon.sessions.session import Log, Session
 
 
 @common.command("", "near-miss", "--benches 60 --from 300 -o live.json", "--replay live.json --exit")
@@ -33,7 +34,7 @@ def live(scene: str | None, start: float, replay: str | None, ends: bool, output
         raise click.UsageError("--exit ends a replay: give a recording with --replay")
     if not ends:
         library("aiohttp")
-    path = common.destination_of(output, [RECORDING])
+    path = common.destination_of(output, [".json"])
     log = None if replay is None else Log.load(replay)
     session = Session(_source(scene, log) or dragon(common.march(), start=start), log=log)
     if ends:
@@ -66,7 +67,8 @@ def serve(session: Session, log: Log | None, path: Path | None, **address: Any) 
         click.echo(text("control: {address}").format(address=running.address))
         click.echo(text("watch:   {address}").format(address=running.watch_address))
         _wait_for_replay(session, log)
-        session.wait()
+        while True:
+            sleep(1)
     finally:
         running.stop()
         _write(session, path)

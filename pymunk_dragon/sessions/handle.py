@@ -9,20 +9,18 @@ from contextlib import AbstractContextManager
 from functools import cached_property
 from html import escape
 from importlib.util import find_spec
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pymunk
 
 from pymunk_dragon._arguments import finite
 from pymunk_dragon._extras import library
-from pymunk_dragon._files import check_destination
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March
 from pymunk_dragon.sessions.controls import Button, Key, PygameEvents, Slider
 from pymunk_dragon.sessions.ready import Ready, dragon, program, ready
 from pymunk_dragon.sessions.scene import Play
-from pymunk_dragon.sessions.session import MAX_STEP, RECORDING, Session
+from pymunk_dragon.sessions.session import MAX_STEP, Session
 
 if TYPE_CHECKING:
     from pymunk_dragon.sessions.server import Server
@@ -43,10 +41,8 @@ class Live(AbstractContextManager["Live"]):
     True
     """
 
-    def __init__(self, session: Session, path: Path | None = None, *, browser: bool = False, **options: Any) -> None:
-        self._session, self._path, self._options = session, path, options
-        # The server and the widgets, which end with the session.
-        self._parts: list[Any] = []
+    def __init__(self, session: Session, *, browser: bool = False, **options: Any) -> None:
+        self._session, self._options = session, options
         if not _has_widgets() and self.address and browser:
             webbrowser.open(self.address)
         session.start()
@@ -57,9 +53,7 @@ class Live(AbstractContextManager["Live"]):
         library("aiohttp")
         from pymunk_dragon.sessions.server import Server
 
-        server = Server(self._session, **self._options)
-        self._parts.append(server)
-        return server
+        return Server(self._session, **self._options)
 
     @property
     def address(self) -> str:
@@ -79,12 +73,10 @@ class Live(AbstractContextManager["Live"]):
         self._session.step(dt)
 
     def stop(self) -> None:
-        """End the session and its server, and write the recording if there is to be one."""
+        """End the session and its server."""
         self._session.stop()
-        for part in self._parts:
-            part.stop()
-        if self._path is not None:
-            self._session.log().save(self._path)
+        if "_server" in vars(self):
+            self._server.stop()
 
     def paused(self) -> AbstractContextManager[bool]:
         """Return a context in which the space is not stepped, so that a program may change it."""
@@ -98,8 +90,7 @@ class Live(AbstractContextManager["Live"]):
         if _has_widgets():
             from pymunk_dragon.sessions.widget import LiveWidget
 
-            self._parts.append(LiveWidget(self._session))
-            return self._parts[-1].shown()
+            return LiveWidget(self._session).shown()
         shape = 'width="100%" height="720" style="border: 0"'
         return {"text/html": f'<iframe src="{escape(self.address)}" title="A live session" {shape}></iframe>'}
 
@@ -118,7 +109,6 @@ def live(
     host: str = "127.0.0.1",
     port: int = 0,
     allow_hosts: Sequence[str] = (),
-    record: str | Path | None = None,
 ) -> Live:
     """Step a march or any Pymunk space in real time, and show it in a browser, where it can be touched.
 
@@ -142,8 +132,6 @@ def live(
         Whether y points down, unit of length ("px"), whether to begin paused, and whether to open a browser.
     host, port, allow_hosts : str, int, sequence of str
         Address to listen on; port, 0 for a free one; and names under which a proxy shows the page.
-    record : path, optional
-        File .json with the inputs, which is written when the session is stopped.
 
     Raises
     ------
@@ -165,11 +153,10 @@ def live(
     ...     print(session.address.partition(":")[0])
     http
     """
-    path = None if record is None else check_destination(record, [RECORDING])
     length = None if step is None else finite("step", step, 1e-6, MAX_STEP, "s")
     play = Play(step=length, on_step=on_step, controls=controls, plots=plots or {}, y_down=y_down, units=units)
     session = Session(source_of(what, play), running=not paused)
-    return Live(session, path, browser=browser, host=host, port=port, allow_hosts=allow_hosts)
+    return Live(session, browser=browser, host=host, port=port, allow_hosts=allow_hosts)
 
 
 def source_of(what: object, play: Play) -> Ready:

@@ -44,7 +44,7 @@ class _Client:
     """A browser, and what it has to get: texts, and the newest frame."""
 
     def __init__(self, connection: web.WebSocketResponse, controls: bool, drop: _Action, call: _Action) -> None:
-        self.controls, self.drop, self._call = controls, drop, call
+        self.controls, self._drop, self._call = controls, drop, call
         self._connection, self._news = connection, asyncio.Event()
         self._waiting: dict[object, Callable[[], Awaitable[None]]] = {}
 
@@ -63,7 +63,11 @@ class _Client:
         self._waiting[key] = send
         self._news.set()
         if len(self._waiting) > _MAX_WAITING:
-            self.drop()
+            self._drop()
+
+    def stop(self) -> None:
+        """Disconnect the client."""
+        self._call(self._drop)
 
     async def send(self) -> None:
         """Send what there is, as fast as the client takes it."""
@@ -90,11 +94,11 @@ class Server:
         # Now, because the thread of the server does not have it.
         self._language = language()
         self._socket = _bound(host, port)
-        self._tokens = [secrets.token_urlsafe(16) for _ in range(2)]
+        # Whether one controls the session with a token. Python hashes texts with a secret: no timing tells of these.
+        self._tokens = {secrets.token_urlsafe(16): controls for controls in (True, False)}
         name = "127.0.0.1" if host in ("0.0.0.0", "::") else f"[{host}]" if ":" in host else host
         page = f"http://{name}:{self._socket.getsockname()[1]}/?token="
         self.address, self.watch_address = (page + token for token in self._tokens)
-        self._clients: set[_Client] = set()
         self._loop = asyncio.new_event_loop()
         application = web.Application(middlewares=[self._check])
         pages = {"/": self._page, "/live": self._page, "/socket": self._connect, "/inputs": self._inputs}
@@ -120,31 +124,21 @@ class Server:
     # ---- the server's thread
 
     def _end(self) -> None:
-        for client in self._clients:
-            client.drop()
         raise web.GracefulExit
 
     @web.middleware
     async def _check(self, request: web.Request, handler: Handler) -> web.StreamResponse:
         """Refuse requests of another page, or one whose name is rebound to this machine, and those without a token."""
         host = request.headers.get("Host", "")
-        try:
+        is_known = False
+        with suppress(ValueError):  # It is no address.
             name, page = urlsplit(f"//{host}").hostname or "", urlsplit(request.headers.get("Origin", f"//{host}"))
+            is_known = name in self._known or (self._any_address and bool(ipaddress.ip_address(name)))
             # A proxy with an allowed name may replace the host, but not the origin.
-            is_own = page.netloc == host or page.hostname in self._proxies
-            is_known = name in self._known or (self._any_address and ipaddress.ip_address(name))
-        except ValueError:  # It is no address.
-            is_own = is_known = False
-        if not (is_own and is_known):
-            raise web.HTTPForbidden(text="This host or the page that requests it is not known. See --allow-host.\n")
-        if not any(self._rights(request)):
-            raise web.HTTPForbidden(text="The address needs the token that was printed.\n")
+            is_known &= page.netloc == host or page.hostname in self._proxies
+        if not is_known or request.query.get("token") not in self._tokens:
+            raise web.HTTPForbidden(text="Open the address that was printed; behind a proxy, see --allow-host.\n")
         return await handler(request)
-
-    def _rights(self, request: web.Request) -> list[bool]:
-        """Whether a request may control the session, and whether it may only watch."""
-        given = request.query.get("token", "").encode()
-        return [secrets.compare_digest(given, token.encode()) for token in self._tokens]
 
     async def _page(self, request: web.Request) -> web.Response:
         if self._front is not None and request.path == "/":
@@ -161,15 +155,14 @@ class Server:
         return web.Response(text=text, content_type="application/json", headers=headers)
 
     async def _connect(self, request: web.Request) -> web.StreamResponse:
-        controls, _ = self._rights(request)
-        watchers = sum(not client.controls for client in self._clients)
-        if len(self._clients) >= _MAX_CLIENTS or (watchers >= _MAX_WATCHERS and not controls):
+        controls = self._tokens[request.query["token"]]
+        others = [each.controls for each in self._session.clients]
+        if len(others) >= _MAX_CLIENTS or (others.count(False) >= _MAX_WATCHERS and not controls):
             raise web.HTTPServiceUnavailable(text="There are too many clients.\n")
         connection = web.WebSocketResponse(compress=False, heartbeat=_HEARTBEAT, max_msg_size=_MAX_BYTES)
         await connection.prepare(request)
         assert request.transport is not None  # The request is being answered.
         client = _Client(connection, controls, request.transport.abort, self._call)
-        self._clients.add(client)
         self._session.join(client)
         sending, due, delayed = asyncio.create_task(client.send()), 0.0, 0
         try:
@@ -180,10 +173,9 @@ class Server:
                     delayed += 1
                     await asyncio.sleep(wait)
                 if delayed > _MOST_DELAYED:
-                    client.drop()
+                    client.stop()
                 self._session.receive(client, message.data if message.type is WSMsgType.TEXT else "")
         finally:
-            self._clients.discard(client)
             sending.cancel()
             self._session.leave(client)
         return connection

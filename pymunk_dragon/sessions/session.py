@@ -6,7 +6,6 @@ import json
 import math
 import threading
 import traceback
-from collections import deque
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -36,19 +35,16 @@ _OTHERS: dict[str, dict[str, type]] = {"step": {"count": int}, "speed": {"value"
 ACTIONS = INPUTS | _OTHERS | _PING | {name: {} for name in ("play", "pause", "reset", "until_contact")}
 # A message that waits is replaced by a later one of these with the same name: of many resets, one is carried out.
 _REPLACED = "set", "drag", "scene", "reset"
-RECORDING = ".json"
 # Most inputs: two hours of a mouse that never rests; bytes of a file with them, and its steps.
 _MAX_INPUTS, _MAX_SIZE, _MAX_STEPS = 500_000, 100_000_000, 100_000_000
 # Most messages that wait, single steps, and events of a second that clients get.
 _MAX_WAITING, _MAX_COUNT, _MAX_EVENTS = 1000, 100_000, 20
+# s. Longest step; time between frames, at least, and between values of charts; most that a slow computer makes up for.
+MAX_STEP, _FRAME_TIME, _PLOT_TIME, _LARGEST_DEBT = 10.0, 1 / 60, 0.1, 0.1
 # Simulated over real time.
 _SPEEDS = 0.1, 20.0
-# s. Longest step; time between frames, at least, and between values of charts; frames of the average rate.
-MAX_STEP, _FRAME_TIME, _PLOT_TIME, _RATE_FRAMES = 10.0, 1 / 60, 0.1, 60
-# s of real time: a computer that is slower than real time does not try to catch up with more than this.
-_LARGEST_DEBT = 0.1
-# s between two checks for messages, and for Ctrl-C; and to wait for a thread, which a function of the user's may hold.
-_TICK, _PATIENCE, _LONGEST_STOP = 0.002, 0.2, 0.5
+# s between two checks for messages; and to wait for a thread, which a function of the user's may hold.
+_TICK, _PATIENCE = 0.002, 0.5
 # Calls in a traceback that the page shows; and files that are not the user's.
 _TRACE_CALLS, _LIBRARIES = 3, (str(Path(__file__).parents[1]), str(Path(pymunk.__file__).parent))
 
@@ -102,7 +98,7 @@ class Session:
 
     def __init__(self, source: Ready, *, running: bool = True, log: Log | None = None) -> None:
         self._own = source
-        # Pages: `tell` sends one a text, `show` a frame, and `controls` is whether it may change anything.
+        # Pages: `tell` sends one a text, `show` a frame, `stop` ends it, and `controls` is whether it may change anything.
         self.clients: tuple[Any, ...] = ()
         self._sharing = threading.Lock()
         # The client whose hand holds a body.
@@ -114,10 +110,7 @@ class Session:
         self._description: dict[str, Any] = {}
         self._told: dict[str, Any] | None = None
         self._failure: list[dict[str, Any]] = []
-        # Real and simulated times of the last frames.
-        self._pace: deque[tuple[float, float]] = deque(maxlen=_RATE_FRAMES)
-        self._due = self._frame_due = perf_counter()
-        self._step_seconds = self._plotted = 0.0
+        self._due = self._frame_due = self._plotted = self._step_seconds = 0.0
         # When the present second of events began, and their number.
         self._second, self._events = 0.0, 0
         # Held while a step is made or messages are taken: a program that holds it may change the space.
@@ -149,15 +142,12 @@ class Session:
         self._run(1)
 
     def stop(self) -> None:
-        """End the thread; one that is held by a function of the user's ends after it."""
+        """End the thread, and what clients see; a thread that a function of the user's holds ends after it."""
         self._ended.set()
         if self._thread.is_alive():
-            self._thread.join(_LONGEST_STOP)
-
-    def wait(self) -> None:
-        """Wait until the session is stopped from another thread."""
-        while not self._ended.wait(_PATIENCE):
-            pass
+            self._thread.join(_PATIENCE)
+        for client in self.clients:
+            client.stop()
 
     def join(self, client: Any) -> None:
         """Have a client get what is told and shown: first the scene, and the error by which it is paused."""
@@ -178,13 +168,13 @@ class Session:
         """Take a text of a client, which gets an answer if it is not carried out."""
         try:
             message = checked(json.loads(text), ACTIONS if client.controls else _PING)
-            if message["do"] != "ping" and len(self._queue) >= _MAX_WAITING:
+            if message["do"] == "ping":
+                client.tell({"kind": "pong", "id": message["id"]})
+                return
+            if len(self._queue) >= _MAX_WAITING:
                 raise ParameterError("message", message["do"], f"sent while fewer than {_MAX_WAITING} wait")
         except (ValueError, RecursionError) as error:
             client.tell({"kind": "error", "text": str(error)})
-            return
-        if message["do"] == "ping":
-            client.tell({"kind": "pong", "id": message["id"]})
             return
         # One hand: a client that grabs another body takes the hand over.
         self._holder = {"grab": client, "drop": None}.get(message["do"], self._holder)
@@ -222,7 +212,7 @@ class Session:
     def wait_for_replay(self) -> list[list[float]] | None:
         """Wait for the end of a replay, and return its last poses, or None if it was cancelled."""
         while self._replay is not None:
-            sleep(_PATIENCE)
+            sleep(_TICK)
         if isinstance(self._replayed, DragonError):
             raise self._replayed
         return self._replayed
@@ -296,26 +286,19 @@ class Session:
             failure = _described(error)
             if answer is not None and isinstance(error, DragonError):
                 answer(failure)
-                return
-            self._pause()
-            self._end_replay(DragonError(f"the replay ends at step {self.scene.steps}: {error}"))
             # Not again in each frame of a session that is paused by it.
-            if self._failure != [failure]:
+            elif self._failure != [failure]:
                 self._failure = [failure]
+                self._pause()
+                self._end_replay(DragonError(f"the replay ends at step {self.scene.steps}: {error}"))
                 self.tell(failure)
 
     def _show(self, now: float) -> None:
-        """Send clients the state if it changed, and a frame with the rate of the last second and values for charts."""
+        """Send clients the state if it changed, and a frame, now and then with values for charts."""
         if (state := self.state()) != self._told:
             self._told = state
             self.tell(state)
-        if not self.running:
-            self._pace.clear()
-        self._pace.append((now, self.scene.time))
-        begin, before = self._pace[0]
-        # Not of the first moments after a pause.
-        rate = (self.scene.time - before) / (now - begin) if len(self._pace) > _RATE_FRAMES / 2 else None
-        header: dict[str, Any] = {"generation": self.generation, "rate": rate, "step_time": self._step_seconds}
+        header: dict[str, Any] = {"generation": self.generation, "clock": now, "step_time": self._step_seconds}
         with self._watched():
             if self.running and now >= self._plotted + _PLOT_TIME:
                 self._plotted = now
@@ -354,18 +337,16 @@ class Session:
             if message["do"] in ("scene", "reset") and self.scene.play.step is None:
                 raise ParameterError("message", message["do"], "another one: this program builds its space itself")
             match message:
-                case {"do": "play"}:
+                case {"do": "play" | "until_contact" as action}:
                     self.running, self._failure = True, []
+                    self.scene.waits_for_contact |= action == "until_contact"
                 case {"do": "pause"}:
                     self._pause()
                 case {"do": "step", "count": count}:
-                    self.running, self._single_steps = False, whole("count", count, 1, _MAX_COUNT)
-                    self._failure = []
-                case {"do": "until_contact"}:
-                    self.running = self.scene.waits_for_contact = True
+                    self._single_steps = whole("count", count, 1, _MAX_COUNT)
+                    self.running, self._failure = False, []
                 case {"do": "speed", "value": value}:
                     self.speed = finite("speed", value, *_SPEEDS, "times")
-                    self._pace.clear()
                 case {"do": "scene", "name": name}:
                     self._build(self._own if name == self._own.name else ready(name), {})
                     self.running = True
@@ -408,7 +389,6 @@ class Session:
         self._single_steps, self._failure = 0, []
         # Events of the old scene that were not told are of no interest.
         self._events = min(self._events, _MAX_EVENTS)
-        self._pace.clear()
         self._describe()
 
 
