@@ -104,7 +104,7 @@ def played(source: object):
 
 def replay_session(log: Log, before: Callable[[Session], object] = lambda session: None):
     """A session that has begun a replay, as fast as it goes, and what it tells; `before` is called with it first."""
-    session, told = Session(planned(log.plan), log=log), []
+    session, told = Session(planned(log["plan"]), log=log), []
     session.join(listener(told))
     before(session)
     session.start()
@@ -113,7 +113,7 @@ def replay_session(log: Log, before: Callable[[Session], object] = lambda sessio
 
 def replayed(log: Log):
     """The last poses of a replay and its session."""
-    session = Session(planned(log.plan), log=log)
+    session = Session(planned(log["plan"]), log=log)
     session.speed = np.inf
     session.start()
     poses = session.wait_for_replay()

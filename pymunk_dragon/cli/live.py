@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+import json
 import math
 from pathlib import Path
 from time import sleep
 from typing import Any
 
 import click
+import numpy as np
 
 from pymunk_dragon._extras import library
+from pymunk_dragon._files import written_in_place
 from pymunk_dragon._language import text
 from pymunk_dragon.cli import common
-from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.sessions.ready import SCENES, Ready, dragon, planned, ready
-from pymunk_dragon.sessions.session import Log, Session
+from pymunk_dragon.sessions.session import Log, Session, load_log
 
 
 @common.command("", "near-miss", "--benches 60 --from 300 -o live.json", "--replay live.json --exit")
@@ -35,7 +38,7 @@ def live(scene: str | None, start: float, replay: str | None, ends: bool, output
     if not ends:
         library("aiohttp")
     path = common.destination_of(output, [".json"])
-    log = None if replay is None else Log.load(replay)
+    log = None if replay is None else load_log(replay)
     session = Session(_source(scene, log) or dragon(common.march(), start=start), log=log)
     if ends:
         session.speed = math.inf
@@ -51,9 +54,9 @@ def _source(scene: str | None, log: Log | None) -> Ready | None:
     """A ready scene, or that of a recording."""
     if log is None:
         return None if scene is None else ready(scene)
-    if log.plan is None:
+    if log["plan"] is None:
         raise ParameterError("replay", "a recording of a space or a curve of your own", "one of a scene that is known")
-    return planned(log.plan)
+    return planned(log["plan"])
 
 
 def serve(session: Session, log: Log | None, path: Path | None, **address: Any) -> None:
@@ -78,15 +81,18 @@ def _wait_for_replay(session: Session, log: Log | None) -> None:
     """Wait for the end of a replay, and compare it with the recording: processors and libraries round differently."""
     if log is None or (poses := session.wait_for_replay()) is None:
         return
-    if poses == log.poses:
+    if len(poses) != len(log["poses"]):
+        raise DragonError("the recording ends with another number of bodies than its replay")
+    line = text("replay:  {steps} steps, poses within {difference:.1e} m and rad of the recording")
+    if poses == log["poses"]:
         line = text("replay:  {steps} steps, equal to the recording to the bit")
-    else:
-        line = text("replay:  {steps} steps, poses within {difference:.1e} m and rad of the recording")
-    click.echo(line.format(steps=log.steps, difference=log.difference(poses)))
+    difference = np.abs(np.subtract(poses, log["poses"])).max(initial=0.0)
+    click.echo(line.format(steps=log["steps"], difference=difference))
 
 
 def _write(session: Session, path: Path | None) -> None:
     """Write the recording, if there is a file for it."""
     if path is not None:
-        session.log().save(path)
+        with written_in_place(path) as draft:
+            draft.write_text(json.dumps(session.log()))
         common.wrote(path)

@@ -35,8 +35,7 @@ class Live(AbstractContextManager["Live"]):
 
     Examples
     --------
-    >>> from pymunk_dragon import Dragon, March
-    >>> with live(March(Dragon(benches=8)), browser=False) as session:
+    >>> with live("pendulum", browser=False) as session:
     ...     session.address.startswith("http://127.0.0.1:")
     True
     """
@@ -166,8 +165,7 @@ def source_of(what: object, play: Play) -> Ready:
     if isinstance(what, March):
         return dragon(what)
     if isinstance(what, pymunk.Space):
-        states = _states(what)
-        return program(lambda: next(states), play)
+        return program(_states(what).__next__, play)
     if not callable(what):
         raise ParameterError("what", what, "a March, a pymunk.Space, a function that returns one, or a scene's name")
     return program(what, play)

@@ -22,8 +22,7 @@ from aiohttp.typedefs import Handler
 from pymunk_dragon._arguments import whole
 from pymunk_dragon._language import language
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.sessions.page import live_page
-from pymunk_dragon.sessions.session import Session
+from pymunk_dragon.sessions.session import Session, live_page
 
 # Bytes of a message.
 _MAX_BYTES = 16_384
@@ -79,10 +78,7 @@ class _Client:
 
 
 class Server:
-    """Serves a session to browsers, until `stop`; `front` is a page to show first, which may have the live page in it.
-
-    With `address` one controls the session, with `watch_address` one only watches.
-    """
+    """Serves a session to browsers, until `stop`; `front` is a page to show first, which may have the live page in it."""
 
     def __init__(
         self, session: Session, *, host: str, port: int, allow_hosts: Sequence[str] = (), front: str | None = None
@@ -149,7 +145,7 @@ class Server:
     async def _inputs(self, request: web.Request) -> web.Response:
         """What was done so far, as JSON from which the session is played again."""
         found: Future[str] = Future()
-        self._session.call(lambda: found.set_result(self._session.log().to_json()))
+        self._session.call(lambda: found.set_result(json.dumps(self._session.log())))
         text = await asyncio.wrap_future(found)
         headers = {"Content-Disposition": 'attachment; filename="live.json"'}
         return web.Response(text=text, content_type="application/json", headers=headers)

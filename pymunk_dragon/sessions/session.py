@@ -8,8 +8,8 @@ import threading
 import traceback
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
+from html import escape
 from pathlib import Path
 from time import perf_counter, sleep
 from typing import Any, get_type_hints
@@ -17,15 +17,25 @@ from typing import Any, get_type_hints
 import numpy as np
 import pymunk
 
+from pymunk_dragon import player
 from pymunk_dragon._arguments import MAX_COORDINATE, finite, whole, word
-from pymunk_dragon._files import read_text, written_in_place
+from pymunk_dragon._files import read_text
 from pymunk_dragon.drawing.canvas import without_nan
 from pymunk_dragon.errors import DragonError, FileFormatError, ParameterError
 from pymunk_dragon.physics.callbacks import callbacks_raise
+from pymunk_dragon.player.page import catalogue, document
+from pymunk_dragon.reports._html import asset, embedded_json
 from pymunk_dragon.sessions.controls import Slider
 from pymunk_dragon.sessions.dragon import DragonScene
 from pymunk_dragon.sessions.ready import SCENES, Ready, planned, ready
 
+# What was done to a scene since it was built, as it is written as JSON: `inputs` with the number of steps before each.
+Log = dict[str, Any]
+# Parts of the script of the page; each uses only those before it.
+_SCRIPTS = (
+    *("connection", "model", "force_scale", "shapes", "overlays", "live_paint", "parameters", "live_charts"),
+    *("tools", "recorder", "live_show", "live", "live_controls"),
+)
 # Inputs are actions of scenes, which are recorded; all other actions change no motion.
 _INPUTS = "set contacts grab drag drop release hold cut obstacle remove press pointer"
 _HINTS = {name: get_type_hints(getattr(DragonScene, name)) for name in _INPUTS.split()}
@@ -49,56 +59,12 @@ _TICK, _PATIENCE = 0.002, 0.5
 _TRACE_CALLS, _LIBRARIES = 3, (str(Path(__file__).parents[1]), str(Path(pymunk.__file__).parent))
 
 
-@dataclass(frozen=True, kw_only=True)
-class Log:
-    """What was done to a scene since it was built: inputs, each with the number of steps before it."""
-
-    plan: Mapping[str, Any] | None
-    values: Mapping[str, float]
-    steps: int
-    inputs: list[tuple[int, dict[str, Any]]]
-    poses: list[list[float]]
-
-    @classmethod
-    def load(cls, path: str | Path) -> Log:
-        """Read the log in a file that `save` or the page wrote."""
-        text = read_text(path, "replay", _MAX_SIZE)
-        try:
-            log = cls(**json.loads(text))
-            if log.plan is not None:
-                planned(log.plan)
-            for step, message in [*log.inputs, (log.steps, {"do": "drop"})]:
-                whole("step", step, 0, _MAX_STEPS)
-                checked(message, INPUTS)
-            for name, value in log.values.items():
-                finite(name, value, -math.inf, math.inf, "")
-            np.array(log.poses, dtype=float).reshape(len(log.poses), 3)
-        except Exception as error:  # Whatever it is, the content is to blame.
-            raise FileFormatError(path, "no recording of a live session, or a damaged one") from error
-        return log
-
-    def save(self, path: Path) -> None:
-        """Write the log to a file."""
-        with written_in_place(path) as draft:
-            draft.write_text(self.to_json())
-
-    def to_json(self) -> str:
-        """Return the log as JSON, which `load` reads."""
-        return json.dumps(vars(self))
-
-    def difference(self, poses: list[list[float]]) -> float:
-        """Largest difference of coordinates, m, and angles, rad, of a replay's last poses from the recording's."""
-        if len(poses) != len(self.poses):
-            raise DragonError("the recording ends with another number of bodies than its replay")
-        return float(np.abs(np.subtract(poses, self.poses)).max(initial=0.0))
-
-
 class Session:
     """A scene in motion, which a thread of its own steps, or a program by `step`; with a log, its replay."""
 
     def __init__(self, source: Ready, *, running: bool = True, log: Log | None = None) -> None:
         self._own = source
-        # Pages: `tell` sends one a text, `show` a frame, `stop` ends it, and `controls` is whether it may change anything.
+        # Pages: `tell` sends a text, `show` a frame, `stop` ends one, and `controls` is whether it may change anything.
         self.clients: tuple[Any, ...] = ()
         self._sharing = threading.Lock()
         # The client whose hand holds a body.
@@ -119,7 +85,7 @@ class Session:
         # The steps of a log that is played again; its last poses in the end, or the error that ended it.
         self._replay: Iterator[None] | None = None
         self._replayed: list[list[float]] | DragonError | None = None
-        self._build(source, log.values if log else {})
+        self._build(source, log["values"] if log else {})
         if log is not None:
             self._replay = self._steps_of(log)
 
@@ -156,6 +122,8 @@ class Session:
             self._told = None
             for message in (self._description, *self._failure):
                 client.tell(message)
+        if self._ended.is_set():
+            client.stop()
 
     def leave(self, client: Any) -> None:
         """Forget a client, and drop the body that it holds."""
@@ -205,9 +173,9 @@ class Session:
 
     def log(self) -> Log:
         """Return what was done since the scene was built; the session must not step meanwhile."""
-        inputs = [(step, message) for step, message in map(json.loads, self.inputs)]
-        poses, values = self.scene.poses().tolist(), dict(self.values)
-        return Log(plan=self.source.plan, values=values, steps=self.scene.steps, inputs=inputs, poses=poses)
+        scene, inputs = self.scene, [json.loads(each) for each in self.inputs]
+        about = {"plan": self.source.plan, "values": self.values, "steps": scene.steps}
+        return about | {"inputs": inputs, "poses": scene.poses().tolist()}
 
     def wait_for_replay(self) -> list[list[float]] | None:
         """Wait for the end of a replay, and return its last poses, or None if it was cancelled."""
@@ -257,7 +225,7 @@ class Session:
 
     def _steps_of(self, log: Log) -> Iterator[None]:
         """Make the steps of a log, each in a `next`, with the inputs before them, and those after the last one."""
-        for step, message in [*log.inputs, (log.steps, None)]:
+        for step, message in [*log["inputs"], (log["steps"], None)]:
             while self.scene.steps < step:
                 self.scene.advance()
                 yield
@@ -316,10 +284,9 @@ class Session:
             if (i := self._events - _MAX_EVENTS) > 0:
                 texts.insert(0, f"{i} further events in a second")
             self._second, self._events = now, 0
-        for text in texts:
-            self._events += 1
-            if self._events <= _MAX_EVENTS:
-                self.tell({"kind": "event", "time": self.scene.time, "text": text})
+        for text in texts[: max(_MAX_EVENTS - self._events, 0)]:
+            self.tell({"kind": "event", "time": self.scene.time, "text": text})
+        self._events += len(texts)
         texts.clear()
 
     def _describe(self) -> None:
@@ -416,3 +383,35 @@ def checked(found: Any, actions: Mapping[str, Mapping[str, type]]) -> dict[str, 
         if type(message[name]) is not kind:
             raise ParameterError(name, value, f"a value of the type {kind.__name__}")
     return message
+
+
+def load_log(path: str | Path) -> Log:
+    """Read a log from a file that the program or the page wrote."""
+    text = read_text(path, "replay", _MAX_SIZE)
+    try:
+        log: Log = json.loads(text)
+        if log["plan"] is not None:
+            planned(log["plan"])
+        for step, message in [*log["inputs"], (log["steps"], {"do": "drop"})]:
+            whole("step", step, 0, _MAX_STEPS)
+            checked(message, INPUTS)
+        for name, value in log["values"].items():
+            finite(name, value, -math.inf, math.inf, "")
+        np.array(log["poses"], dtype=float).reshape(len(log["poses"]), 3)
+    except Exception as error:  # Whatever it is, the content is to blame.
+        raise FileFormatError(path, "no recording of a live session, or a damaged one") from error
+    return log
+
+
+@cache
+def live_page(title: str, language: str) -> tuple[str, str]:
+    """The page, which opens in a language, and its content security policy."""
+    return document(
+        asset(__package__, "assets/live.html"),
+        asset(__package__, "assets/live.css"),
+        "".join(asset(__package__, f"assets/{name}.js") for name in _SCRIPTS),
+        "; connect-src 'self'",
+        language=language,
+        title=escape(title),
+        texts=embedded_json({"zh": catalogue(player.__name__, __package__)}),
+    )
