@@ -116,9 +116,9 @@ def replayed(log: Log):
     session = Session(planned(log["plan"]), log=log)
     session.speed = np.inf
     session.start()
-    poses = session.wait_for_replay()
+    assert session.wait_for_replay() is not None
     session.stop()
-    return poses, session
+    return session.scene.poses().tolist(), session
 
 
 def decoded(frame: bytes):

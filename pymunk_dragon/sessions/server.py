@@ -43,7 +43,7 @@ class _Client:
     """A browser, and what it has to get: texts, and the newest frame."""
 
     def __init__(self, connection: web.WebSocketResponse, controls: bool, drop: _Action, call: _Action) -> None:
-        self.controls, self._drop, self._call = controls, drop, call
+        self.controls, self._call, self.stop = controls, call, partial(call, drop)
         self._connection, self._news = connection, asyncio.Event()
         self._waiting: dict[object, Callable[[], Awaitable[None]]] = {}
 
@@ -62,11 +62,7 @@ class _Client:
         self._waiting[key] = send
         self._news.set()
         if len(self._waiting) > _MAX_WAITING:
-            self._drop()
-
-    def stop(self) -> None:
-        """Disconnect the client."""
-        self._call(self._drop)
+            self.stop()
 
     async def send(self) -> None:
         """Send what there is, as fast as the client takes it."""
@@ -78,7 +74,7 @@ class _Client:
 
 
 class Server:
-    """Serves a session to browsers, until `stop`; `front` is a page to show first, which may have the live page in it."""
+    """Serves a session to browsers, until `stop`; `front` is a page to show first, with the live page in it."""
 
     def __init__(
         self, session: Session, *, host: str, port: int, allow_hosts: Sequence[str] = (), front: str | None = None

@@ -32,10 +32,8 @@ from pymunk_dragon.sessions.ready import SCENES, Ready, planned, ready
 # What was done to a scene since it was built, as it is written as JSON: `inputs` with the number of steps before each.
 Log = dict[str, Any]
 # Parts of the script of the page; each uses only those before it.
-_SCRIPTS = (
-    *("connection", "model", "force_scale", "shapes", "overlays", "live_paint", "parameters", "live_charts"),
-    *("tools", "recorder", "live_show", "live", "live_controls"),
-)
+_SCRIPTS = ["connection", "model", "force_scale", "shapes", "overlays", "live_paint", "parameters", "live_charts"]
+_SCRIPTS += ["tools", "recorder", "live_show", "live", "live_controls"]
 # Inputs are actions of scenes, which are recorded; all other actions change no motion.
 _INPUTS = "set contacts grab drag drop release hold cut obstacle remove press pointer"
 _HINTS = {name: get_type_hints(getattr(DragonScene, name)) for name in _INPUTS.split()}
@@ -47,12 +45,10 @@ ACTIONS = INPUTS | _OTHERS | _PING | {name: {} for name in ("play", "pause", "re
 _REPLACED = "set", "drag", "scene", "reset"
 # Most inputs: two hours of a mouse that never rests; bytes of a file with them, and its steps.
 _MAX_INPUTS, _MAX_SIZE, _MAX_STEPS = 500_000, 100_000_000, 100_000_000
-# Most messages that wait, single steps, and events of a second that clients get.
-_MAX_WAITING, _MAX_COUNT, _MAX_EVENTS = 1000, 100_000, 20
+# Most messages that wait, single steps, and events of a second that clients get; speeds, simulated over real time.
+_MAX_WAITING, _MAX_COUNT, _MAX_EVENTS, _SPEEDS = 1000, 100_000, 20, (0.1, 20.0)
 # s. Longest step; time between frames, at least, and between values of charts; most that a slow computer makes up for.
 MAX_STEP, _FRAME_TIME, _PLOT_TIME, _LARGEST_DEBT = 10.0, 1 / 60, 0.1, 0.1
-# Simulated over real time.
-_SPEEDS = 0.1, 20.0
 # s between two checks for messages; and to wait for a thread, which a function of the user's may hold.
 _TICK, _PATIENCE = 0.002, 0.5
 # Calls in a traceback that the page shows; and files that are not the user's.
@@ -61,6 +57,10 @@ _TRACE_CALLS, _LIBRARIES = 3, (str(Path(__file__).parents[1]), str(Path(pymunk._
 
 class Session:
     """A scene in motion, which a thread of its own steps, or a program by `step`; with a log, its replay."""
+
+    # The steps of a log that is played again; how far its last poses are from those of the log, or what ended it.
+    _replay: Iterator[None] | None = None
+    _replayed: float | DragonError | None = None
 
     def __init__(self, source: Ready, *, running: bool = True, log: Log | None = None) -> None:
         self._own = source
@@ -82,12 +82,8 @@ class Session:
         # Held while a step is made or messages are taken: a program that holds it may change the space.
         self.held, self._ended = threading.RLock(), threading.Event()
         self._thread = threading.Thread(target=self._run, name="pymunk-dragon live", daemon=True)
-        # The steps of a log that is played again; its last poses in the end, or the error that ended it.
-        self._replay: Iterator[None] | None = None
-        self._replayed: list[list[float]] | DragonError | None = None
         self._build(source, log["values"] if log else {})
-        if log is not None:
-            self._replay = self._steps_of(log)
+        self._replay = self._steps_of(log) if log else None
 
     # ---- from other threads
 
@@ -177,8 +173,8 @@ class Session:
         about = {"plan": self.source.plan, "values": self.values, "steps": scene.steps}
         return about | {"inputs": inputs, "poses": scene.poses().tolist()}
 
-    def wait_for_replay(self) -> list[list[float]] | None:
-        """Wait for the end of a replay, and return its last poses, or None if it was cancelled."""
+    def wait_for_replay(self) -> float | None:
+        """Wait for the end of a replay; return the difference of its last poses, m or rad, or None without an end."""
         while self._replay is not None:
             sleep(_TICK)
         if isinstance(self._replayed, DragonError):
@@ -232,9 +228,12 @@ class Session:
             if message is not None:
                 self._apply(message)
         self._pause()
-        self._end_replay(self.scene.poses().tolist())
+        poses = self.scene.poses().tolist()
+        if len(poses) != len(log["poses"]):
+            raise DragonError("the recording has another number of bodies")
+        self._end_replay(float(np.abs(np.subtract(poses, log["poses"])).max(initial=0.0)))
 
-    def _end_replay(self, result: list[list[float]] | DragonError | None) -> None:
+    def _end_replay(self, result: float | DragonError | None) -> None:
         if self._replay is not None:
             self._replayed, self._replay = result, None
 
