@@ -14,7 +14,6 @@ from pymunk_dragon._extras import library
 from pymunk_dragon._files import written_in_place
 from pymunk_dragon._language import text
 from pymunk_dragon.cli import common
-from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.sessions.ready import SCENES, Ready, dragon, planned, ready
 from pymunk_dragon.sessions.session import Log, Session, load_log
 
@@ -42,8 +41,10 @@ def live(scene: str | None, start: float, replay: str | None, ends: bool, output
     if ends:
         session.speed = math.inf
         session.start()
-        _wait_for_replay(session, log)
-        session.stop()
+        try:
+            _wait_for_replay(session, log)
+        finally:
+            session.stop()
         _write(session, path)
     else:
         serve(session, log, path, **address)
@@ -53,8 +54,6 @@ def _source(scene: str | None, log: Log | None) -> Ready | None:
     """A ready scene, or that of a recording."""
     if log is None:
         return None if scene is None else ready(scene)
-    if log["plan"] is None:
-        raise ParameterError("replay", "a recording of a space or a curve of your own", "one of a scene that is known")
     return planned(log["plan"])
 
 

@@ -389,8 +389,7 @@ def load_log(path: str | Path) -> Log:
     text = read_text(path, "replay", _MAX_SIZE)
     try:
         log: Log = json.loads(text)
-        if log["plan"] is not None:
-            planned(log["plan"])
+        planned(log["plan"])
         for step, message in [*log["inputs"], (log["steps"], {"do": "drop"})]:
             whole("step", step, 0, _MAX_STEPS)
             checked(message, INPUTS)
@@ -398,7 +397,7 @@ def load_log(path: str | Path) -> Log:
             finite(name, value, -math.inf, math.inf, "")
         np.array(log["poses"], dtype=float).reshape(len(log["poses"]), 3)
     except Exception as error:  # Whatever it is, the content is to blame.
-        raise FileFormatError(path, "no recording of a live session, or a damaged one") from error
+        raise FileFormatError(path, "no recording of a ready scene or of a march, or a damaged one") from error
     return log
 
 
