@@ -24,12 +24,10 @@ from pymunk_dragon._language import language
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.sessions.session import Session, live_page
 
-# Bytes of a message.
-_MAX_BYTES = 16_384
 # Messages of a client in a second: the others wait, and a client of which so many had to wait is disconnected.
 _MOST_MESSAGES, _MOST_DELAYED = 500, 5000
-# What may wait for a client; one that does not take it is disconnected.
-_MAX_WAITING = 1000
+# Bytes of a message; and what may wait for a client: one that does not take it is disconnected.
+_MAX_BYTES, _MAX_WAITING = 16_384, 1000
 # Clients at once, and those of them who only watch: places are kept for those who control.
 _MAX_CLIENTS, _MAX_WATCHERS = 220, 200
 # s after which a client that does not answer is disconnected; for the last bytes.

@@ -25,7 +25,6 @@ from pymunk_dragon.errors import DragonError, FileFormatError, ParameterError
 from pymunk_dragon.physics.callbacks import callbacks_raise
 from pymunk_dragon.player.page import catalogue, document
 from pymunk_dragon.reports._html import asset, embedded_json
-from pymunk_dragon.sessions.controls import Slider
 from pymunk_dragon.sessions.dragon import DragonScene
 from pymunk_dragon.sessions.ready import SCENES, Ready, planned, ready
 
@@ -242,10 +241,7 @@ class Session:
 
     @contextmanager
     def _watched(self, answer: Callable[[Any], object] | None = None) -> Iterator[None]:
-        """Context in which an exception of the user's functions pauses the session, and is shown.
-
-        An error of this package's is the answer to a message, if there is one.
-        """
+        """Context in which an error pauses the session, and is shown; one of this package's is a message's answer."""
         try:
             with callbacks_raise():
                 yield
@@ -318,8 +314,6 @@ class Session:
                     self.running = True
                 case {"do": "reset"}:
                     self._build(self.source, self.values)
-                case {"do": "set", "name": name, "value": value} if self._slider(name).rebuilds:
-                    self._build(self.source, {**self.scene.values, name: self._slider(name).checked(value)})
                 case _:
                     self._apply(message)
 
@@ -330,14 +324,14 @@ class Session:
         if action is None:
             raise ParameterError("message", message["do"], "an action that this scene has")
         if message["do"] == "set":
-            arguments["value"] = self._slider(message["name"]).checked(message["value"])
+            slider = self.scene.parameters[word("name", message["name"], self.scene.parameters)]
+            arguments["value"] = slider.checked(message["value"])
+            if slider.rebuilds:
+                self._build(self.source, {**self.scene.values, slider.name: arguments["value"]})
+                return
         action(**arguments)
         # As JSON, which takes less memory.
         self.inputs.append(json.dumps([self.scene.steps, message]))
-
-    def _slider(self, name: str) -> Slider:
-        known = self.scene.parameters
-        return known[word("name", name, list(known))]
 
     def _build(self, source: Ready, values: Mapping[str, float]) -> None:
         """Begin anew; the old scene stays if the new one cannot be built."""

@@ -17,8 +17,7 @@ from pymunk_dragon.sessions.session import Session, live_page
 
 # Frames on the way to the page, at most; the page tells of every third that it has drawn it.
 MOST_FRAMES = 6
-# s without a message after which nobody looks: the page sends one every 5 s. The server of a notebook keeps what its
-# pages do not take, without a bound.
+# s without a message, of which the page sends one every 5 s, after which nothing is sent: notebooks keep it unbounded.
 SILENCE = 15.0
 
 
