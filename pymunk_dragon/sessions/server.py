@@ -30,8 +30,8 @@ _MOST_MESSAGES, _MOST_DELAYED = 500, 5000
 _MAX_BYTES, _MAX_WAITING = 16_384, 1000
 # Clients at once, and those of them who only watch: places are kept for those who control.
 _MAX_CLIENTS, _MAX_WATCHERS = 220, 200
-# s after which a client that does not answer is disconnected; for the last bytes.
-_HEARTBEAT, _STOP_TIME = 20.0, 0.5
+# s after which a client that does not answer is disconnected; in which inputs are saved; for the last bytes.
+_HEARTBEAT, _SAVE_TIME, _STOP_TIME = 20.0, 10.0, 0.5
 _LOOPBACK = ("localhost", "127.0.0.1", "::1")
 _HEADERS = {"Cache-Control": "no-store", "Referrer-Policy": "no-referrer", "X-Content-Type-Options": "nosniff"}
 _Action = Callable[..., object]
@@ -72,7 +72,10 @@ class _Client:
 
 
 class Server:
-    """Serves a session to browsers, until `stop`; `front` is a page to show first, with the live page in it."""
+    """Serves a session to browsers, until `stop`; `front` is a page to show first, with the live page in it.
+
+    With `address` one controls the session, with `watch_address` one only watches.
+    """
 
     def __init__(
         self, session: Session, *, host: str, port: int, allow_hosts: Sequence[str] = (), front: str | None = None
@@ -140,7 +143,8 @@ class Server:
         """What was done so far, as JSON from which the session is played again."""
         found: Future[str] = Future()
         self._session.call(lambda: found.set_result(json.dumps(self._session.log())))
-        text = await asyncio.wrap_future(found)
+        # The session may still take it later.
+        text = await asyncio.wait_for(asyncio.shield(asyncio.wrap_future(found)), _SAVE_TIME)
         headers = {"Content-Disposition": 'attachment; filename="live.json"'}
         return web.Response(text=text, content_type="application/json", headers=headers)
 

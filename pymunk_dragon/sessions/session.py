@@ -326,7 +326,7 @@ class Session:
         if message["do"] == "set":
             slider = self.scene.parameters[word("name", message["name"], self.scene.parameters)]
             arguments["value"] = slider.checked(message["value"])
-            if slider.rebuilds:
+            if slider.rebuilds and self._replay is None:
                 self._build(self.source, {**self.scene.values, slider.name: arguments["value"]})
                 return
         action(**arguments)
