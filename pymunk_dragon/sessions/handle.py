@@ -101,6 +101,7 @@ def live(
     on_step: Callable[[pymunk.Space, float], object] | None = None,
     controls: Sequence[Slider | Button | Key | PygameEvents] = (),
     plots: Mapping[str, Callable[[pymunk.Space], float]] | None = None,
+    events: list[str] | None = None,
     y_down: bool = False,
     units: str = "m",
     paused: bool = False,
@@ -127,6 +128,8 @@ def live(
         What the page has in addition.
     plots : mapping of str to callable, optional
         Functions of the space whose values the page shows as charts, by their titles.
+    events : list of str, optional
+        List to which your functions append texts, which the page shows as events.
     y_down, units, paused, browser : bool, str, bool, bool
         Whether y points down, unit of length ("px"), whether to begin paused, and whether to open a browser.
     host, port, allow_hosts : str, int, sequence of str
@@ -153,7 +156,8 @@ def live(
     http
     """
     length = None if step is None else finite("step", step, 1e-6, MAX_STEP, "s")
-    play = Play(step=length, on_step=on_step, controls=controls, plots=plots or {}, y_down=y_down, units=units)
+    seen: Any = {"plots": plots or {}, "events": events, "y_down": y_down, "units": units}
+    play = Play(step=length, on_step=on_step, controls=controls, **seen)
     session = Session(source_of(what, play), running=not paused)
     return Live(session, browser=browser, host=host, port=port, allow_hosts=allow_hosts)
 
