@@ -16,9 +16,8 @@ import numpy as np
 
 from pymunk_dragon.sessions.handle import Live, source_of
 from pymunk_dragon.sessions.ready import planned
-from pymunk_dragon.sessions.recording import Log
 from pymunk_dragon.sessions.scene import Play
-from pymunk_dragon.sessions.session import Session
+from pymunk_dragon.sessions.session import Log, Session
 
 # s that anything may take on a busy machine.
 PATIENCE = 60.0
@@ -26,7 +25,7 @@ PATIENCE = 60.0
 
 def listener(told: list[object]):
     """A client of a session; `told` gets its texts."""
-    return SimpleNamespace(tell=told.append, show=lambda frame: None, controls=True)
+    return SimpleNamespace(tell=told.append, show=lambda frame: None, stop=lambda: None, controls=True)
 
 
 class Played:
@@ -105,9 +104,8 @@ def played(source: object):
 
 def replay_session(log: Log, before: Callable[[Session], object] = lambda session: None):
     """A session that has begun a replay, as fast as it goes, and what it tells; `before` is called with it first."""
-    session, told = Session(planned(log.plan)), []
+    session, told = Session(planned(log["plan"]), log=log), []
     session.join(listener(told))
-    session.play_again(log)
     before(session)
     session.start()
     return session, told
@@ -115,10 +113,12 @@ def replay_session(log: Log, before: Callable[[Session], object] = lambda sessio
 
 def replayed(log: Log):
     """The last poses of a replay and its session."""
-    session = Session(planned(log.plan))
-    session.play_again(log)
-    session.replay_until(np.inf)
-    return session.wait_for_replay(), session
+    session = Session(planned(log["plan"]), log=log)
+    session.speed = np.inf
+    session.start()
+    assert session.wait_for_replay() is not None
+    session.stop()
+    return session.scene.poses().tolist(), session
 
 
 def decoded(frame: bytes):

@@ -16,7 +16,6 @@ import sys
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
-from dataclasses import replace
 from pathlib import Path
 from urllib.parse import urlsplit
 
@@ -25,18 +24,16 @@ import numpy as np
 import pymunk
 import pytest
 from conftest import assert_says, linux_only
-from live_sessions import PATIENCE, greeting, joined, played, replay_session, replayed, served
+from live_sessions import PATIENCE, greeting, joined, listener, played, replay_session, replayed, served
 
-from pymunk_dragon.errors import DragonError, MissingExtraError, ParameterError
+from pymunk_dragon.errors import DragonError, MissingExtraError
 from pymunk_dragon.lessons import LESSONS
 from pymunk_dragon.model.curves import Line
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
-from pymunk_dragon.model.run import Run
 from pymunk_dragon.sessions import live
 from pymunk_dragon.sessions.ready import add, dragon, ready
-from pymunk_dragon.sessions.recording import Log, record
-from pymunk_dragon.sessions.session import ACTIONS
+from pymunk_dragon.sessions.session import ACTIONS, load_log
 
 SHORT = March(Dragon(benches=20))
 
@@ -93,20 +90,20 @@ def test_replay_of_a_saved_session_ends_in_the_same_state_to_the_bit_and_reset_u
         # After the last step.
         assert on.do("obstacle", shape="round", x=0.0, y=0.0, size=0.3) is None
         with on.session.held:
-            log = Log.of(on.session)
-            record(on.session, tmp_path / "session.json")
+            log = on.session.log()
+            (tmp_path / "session.json").write_text(json.dumps(log))
         assert on.do("reset") is None
         assert without_generation(on.session) == fresh
         assert (on.scene.steps, on.scene.time, on.session.inputs) == (0, 0.0, [])
-    read = Log.load(tmp_path / "session.json")
-    assert read.to_json() == log.to_json()
+    read = load_log(tmp_path / "session.json")
+    assert read == json.loads(json.dumps(log))
     poses, session = replayed(read)
-    assert poses == log.poses
-    assert Log.of(session).inputs == log.inputs
+    assert poses == log["poses"]
+    assert session.log()["inputs"] == log["inputs"]
     # The replay of other inputs ends elsewhere.
-    step, message = read.inputs[1]
-    read.inputs[1] = step, {**message, "x": message["x"] + 1e-6}
-    assert replayed(read)[0] != log.poses
+    step, message = read["inputs"][1]
+    read["inputs"][1] = step, {**message, "x": message["x"] + 1e-6}
+    assert replayed(read)[0] != log["poses"]
 
 
 def test_head_at_the_end_of_its_path_stays_there():
@@ -131,8 +128,8 @@ def test_replay_goes_on_where_the_recorded_session_paused_at_a_contact():
         on.do("obstacle", shape="square", x=2.0, y=0.1, size=1.0)
         assert on.step(1000) < 1000
         assert on.step(50) == 50
-        log = Log.of(on.session)
-    assert replayed(log)[0] == log.poses
+        log = on.session.log()
+    assert replayed(log)[0] == log["poses"]
 
 
 def test_bodies_that_fly_apart_pause_the_session_and_come_back_with_reset():
@@ -146,15 +143,33 @@ def test_bodies_that_fly_apart_pause_the_session_and_come_back_with_reset():
         assert np.isfinite(on.scene.poses()).all()
 
 
+def test_events_and_messages_that_wait_are_bounded_and_a_new_scene_begins_without_those_before():
+    with played("pendulum") as on:
+        on.session.call(lambda: on.scene.events.extend(["x"] * 100))
+        on.step(1)
+        assert on.events == ["x"] * 20
+        on.do("reset")
+        on.session.call(lambda: on.scene.events.append("y"))
+        # A second passes.
+        on.session._second = 0.0
+        on.step(1)
+        assert on.events[20:] == ["y"]
+        answers = []
+        with on.session.held:
+            for _ in range(1500):
+                on.session.receive(listener(answers), '{"do": "drop"}')
+        assert len(answers) == 500
+
+
 def test_inputs_are_refused_during_a_replay_and_another_scene_ends_it():
     with played(dragon(SHORT)) as on:
         on.step(30)
         on.do("cut", **joint_at(on, 5))
         on.step(1)
-        log = Log.of(on.session)
+        log = on.session.log()
     errors = []
     session, _ = replay_session(log, lambda session: session.post({"do": "release", "bench": 2}, errors.append))
-    assert session.wait_for_replay() == log.poses
+    assert session.wait_for_replay() == 0
     session.stop()
     assert (len(errors), session.state()["cuts"], session.state()["free_from"]) == (1, [5], None)
     session, _ = replay_session(log, lambda session: session.post({"do": "scene", "name": "pendulum"}))
@@ -295,8 +310,8 @@ def test_sliders_that_rebuild_begin_anew_with_their_value():
         assert set(described["dragon"]["widths"]) == {0.25}
         on.run(0.5)
         assert on.frame().errors.max() < 1e-4
-        log = Log.of(on.session)
-    assert replayed(log)[0] == log.poses
+        log = on.session.log()
+    assert replayed(log)[0] == log["poses"]
 
 
 def test_values_out_of_range_and_things_that_do_not_exist_are_refused_and_change_nothing():
@@ -318,7 +333,7 @@ def test_values_out_of_range_and_things_that_do_not_exist_are_refused_and_change
     for source in (dragon(SHORT), ready("boxes")):
         with played(source) as on:
             on.step(3)
-            before = on.session.state(), Log.of(on.session)
+            before = on.session.state(), on.session.log()
             for action, many in impossible.items():
                 for arguments in many:
                     assert_says(ValueError(on.do(action, **arguments)))
@@ -327,7 +342,7 @@ def test_values_out_of_range_and_things_that_do_not_exist_are_refused_and_change
                 for value in values + [each.low + 0.5] * each.whole:
                     error = ValueError(on.do("set", name=each.name, value=value))
                     assert_says(error, each.name if math.isfinite(value) else "value")
-            assert (on.session.state(), Log.of(on.session)) == before
+            assert (on.session.state(), on.session.log()) == before
 
 
 def test_reset_puts_a_space_of_ones_own_back():
@@ -652,18 +667,18 @@ def test_ctrl_c_ends_the_program_with_130_and_writes_a_recording_whose_replay_is
         _, err = process.communicate(timeout=PATIENCE)
     assert process.returncode == 130
     assert [line for line in err.splitlines() if "wrote" not in line] == ["pymunk-dragon: interrupted"]
-    log = Log.load(path)
-    assert log.steps > 20
-    line = f"replay:  {log.steps} steps, equal to the recording to the bit\n"
+    log = load_log(path)
+    assert log["steps"] > 20
+    line = f"replay:  {log['steps']} steps, equal to the recording to the bit\n"
     assert call("live", "--exit", "--replay", path) == (0, line, "")
     # Poses that differ are not: the program says how far, and writes those of the replay.
     _, session = replayed(log)
     poses = session.scene.poses() + np.array([0.125, 0.0, -0.25])
-    (tmp_path / "other.json").write_text(replace(log, poses=poses.tolist()).to_json())
+    (tmp_path / "other.json").write_text(json.dumps(log | {"poses": poses.tolist()}))
     code, out, err = call("live", "--exit", "--replay", tmp_path / "other.json", "-o", tmp_path / "written.json")
     assert (code, err) == (0, "")
-    assert out == f"replay:  {log.steps} steps, poses within 2.5e-01 m and rad of the recording\n"
-    assert Log.load(tmp_path / "written.json").poses == log.poses
+    assert out == f"replay:  {log['steps']} steps, poses within 2.5e-01 m and rad of the recording\n"
+    assert load_log(tmp_path / "written.json")["poses"] == log["poses"]
 
 
 @pytest.mark.thorough
@@ -683,7 +698,7 @@ def test_recording_that_is_tampered_with_or_none_is_refused_in_one_line(call, tm
         on.do("grab", x=0.5, y=0.0, slip=0.1)
         on.do("drag", x=1.0, y=1.0)
         on.step(20)
-    log = json.loads(Log.of(on.session).to_json())
+    log = on.session.log()
     small = {"scenario": {"dragon": {"benches": 4}}}
     enormous = [0, {"do": "set", "name": "iterations", "value": 1e300}]
     for expected, changes in (
@@ -709,23 +724,6 @@ def test_recording_that_is_tampered_with_or_none_is_refused_in_one_line(call, tm
         code, _, err = call("live", "--exit", "--replay", tmp_path / name)
         assert (code, err.count("\n")) == (2, 1), name
         assert name in err
-
-
-def test_recorded_session_of_a_dragon_becomes_a_run(tmp_path):
-    for source in (dragon(SHORT), ready("pendulum")):
-        with played(source) as on:
-            on.run(0.25)
-            assert on.do("obstacle", shape="square", x=2.0, y=0.0, size=0.3) is None
-            on.run(0.25)
-        if source.name == "own":
-            record(on.session, tmp_path / "own.npz")
-            found = Run.load(tmp_path / "own.npz")
-            assert (found.times[0], found.times[-1]) == pytest.approx((0.0, 0.5))
-            np.testing.assert_array_equal(found.poses[-1], on.scene.poses())
-            assert found.drift.max() < 1e-5
-        else:
-            with pytest.raises(ParameterError):
-                record(on.session, tmp_path / "space.npz")
 
 
 def odd_spaces():

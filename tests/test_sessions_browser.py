@@ -20,8 +20,8 @@ from pymunk_dragon.model.march import March
 from pymunk_dragon.sessions.controls import Button
 from pymunk_dragon.sessions.handle import source_of
 from pymunk_dragon.sessions.ready import SCENES, dragon
-from pymunk_dragon.sessions.recording import Log
 from pymunk_dragon.sessions.scene import Play
+from pymunk_dragon.sessions.session import load_log
 
 pytestmark = [pytest.mark.thorough, needs_browser]
 
@@ -95,13 +95,13 @@ def wait_simulated(page, seconds):
 def log_of(session):
     """The log of a session between two steps."""
     with session.paused():
-        return Log.of(session._session)
+        return session._session.log()
 
 
 def assert_replays(session):
     log = log_of(session)
-    assert log.steps > 0
-    assert replayed(log)[0] == log.poses
+    assert log["steps"] > 0
+    assert replayed(log)[0] == log["poses"]
 
 
 def test_rod_follows_the_mouse_and_the_replay_is_equal(browser):
@@ -122,7 +122,7 @@ def test_rod_follows_the_mouse_and_the_replay_is_equal(browser):
         wait_until(page, "live.frame.held === null")
         page.keyboard.press("Space")
         wait_until(page, "!live.state.running")
-        assert {message["do"] for _, message in log_of(session).inputs} == {"grab", "drag", "drop"}
+        assert {message["do"] for _, message in log_of(session)["inputs"]} == {"grab", "drag", "drop"}
         assert_replays(session)
 
 
@@ -219,7 +219,7 @@ def test_watching_page_has_no_controls(browser):
         for key in ("Space", "r", "l", "ArrowRight"):
             page.keyboard.press(key)
         wait_simulated(page, 0.3)
-        assert log_of(session).inputs == []
+        assert log_of(session)["inputs"] == []
         assert session._session.running
 
 
@@ -242,7 +242,7 @@ def test_button_saves_the_inputs(browser, tmp_path):
         with page.expect_download() as download:
             page.click("#save")
         download.value.save_as(tmp_path / "inputs.json")
-    assert Log.load(tmp_path / "inputs.json").plan
+    assert load_log(tmp_path / "inputs.json")["plan"]
 
 
 def test_page_switches_scenes_and_sets_parameters_without_complaints(browser):

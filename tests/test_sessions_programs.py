@@ -108,7 +108,6 @@ def test_controls_and_functions_that_cannot_work_are_refused():
         (build, {"controls": [Slider("colour", 0, 1, rebuilds=True)]}),
         (build, {"controls": [Slider("links", 4, 9, rebuilds=True)]}),
         (build, {"step": math.nan}),
-        (build, {"record": "live.gif"}),
         (lambda: 3, {}),
         (3, {}),
     ):

@@ -8,9 +8,8 @@ pymunk-dragon live --benches 40 --pitch 0.45 --record session.json
 ```
 
 opens a page on which Pymunk plays in real time. Drag any bench with the mouse or a finger, cut joints, let the
-dancers go and have them come back, add obstacles, and move the sliders: time step, iterations, drag, speed, pitch,
-width, number of benches. The exact dragon is drawn beside the engine's, with the position error, the tension and the
-time of a step as charts.
+dancers go and have them come back, add obstacles, and move the sliders. The exact dragon is drawn beside the engine's,
+with the position error, the tension and the time of a step as charts.
 
 ![A pointer pulls a bench aside, the dancers carry it back, and a slider makes the head faster](renders/live.gif)
 

@@ -4,25 +4,21 @@ from __future__ import annotations
 
 import sys
 import webbrowser
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from functools import cached_property
 from html import escape
 from importlib.util import find_spec
-from itertools import count
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pymunk
 
 from pymunk_dragon._arguments import finite
 from pymunk_dragon._extras import library
-from pymunk_dragon._files import check_destination
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March
 from pymunk_dragon.sessions.controls import Button, Key, PygameEvents, Slider
 from pymunk_dragon.sessions.ready import Ready, dragon, program, ready
-from pymunk_dragon.sessions.recording import RECORDING_ENDINGS, record
 from pymunk_dragon.sessions.scene import Play
 from pymunk_dragon.sessions.session import MAX_STEP, Session
 
@@ -39,16 +35,13 @@ class Live(AbstractContextManager["Live"]):
 
     Examples
     --------
-    >>> from pymunk_dragon import Dragon, March
-    >>> with live(March(Dragon(benches=8)), browser=False) as session:
+    >>> with live("pendulum", browser=False) as session:
     ...     session.address.startswith("http://127.0.0.1:")
     True
     """
 
-    def __init__(self, session: Session, path: Path | None = None, *, browser: bool = False, **options: Any) -> None:
-        self._session, self._path, self._options = session, path, options
-        # The server and the widgets, which end with the session.
-        self._parts: list[Any] = []
+    def __init__(self, session: Session, *, browser: bool = False, **options: Any) -> None:
+        self._session, self._options = session, options
         if not _has_widgets() and self.address and browser:
             webbrowser.open(self.address)
         session.start()
@@ -59,9 +52,7 @@ class Live(AbstractContextManager["Live"]):
         library("aiohttp")
         from pymunk_dragon.sessions.server import Server
 
-        server = Server(self._session, **self._options)
-        self._parts.append(server)
-        return server
+        return Server(self._session, **self._options)
 
     @property
     def address(self) -> str:
@@ -81,12 +72,10 @@ class Live(AbstractContextManager["Live"]):
         self._session.step(dt)
 
     def stop(self) -> None:
-        """End the session and its server, and write the recording if there is to be one."""
+        """End the session and its server."""
         self._session.stop()
-        for part in self._parts:
-            part.stop()
-        if self._path is not None:
-            record(self._session, self._path)
+        if "_server" in vars(self):
+            self._server.stop()
 
     def paused(self) -> AbstractContextManager[bool]:
         """Return a context in which the space is not stepped, so that a program may change it."""
@@ -100,8 +89,7 @@ class Live(AbstractContextManager["Live"]):
         if _has_widgets():
             from pymunk_dragon.sessions.widget import LiveWidget
 
-            self._parts.append(LiveWidget(self._session))
-            return self._parts[-1].shown()
+            return LiveWidget(self._session).shown()
         shape = 'width="100%" height="720" style="border: 0"'
         return {"text/html": f'<iframe src="{escape(self.address)}" title="A live session" {shape}></iframe>'}
 
@@ -121,7 +109,6 @@ def live(
     host: str = "127.0.0.1",
     port: int = 0,
     allow_hosts: Sequence[str] = (),
-    record: str | Path | None = None,
 ) -> Live:
     """Step a march or any Pymunk space in real time, and show it in a browser, where it can be touched.
 
@@ -132,8 +119,7 @@ def live(
     Parameters
     ----------
     what : March, pymunk.Space, callable or str, optional
-        What to play: a march, a space, a function that returns a space, or the name of a ready scene; by default the
-        dragon of the contest. Arguments of the function are the values of sliders.
+        A march, a space, a function that returns one, with the values of sliders as arguments, or a ready scene's name.
     step : float, optional
         Length of a step of a space, s. None for a program with a loop of its own, which makes the steps by `Live.step`.
     on_step : callable, optional
@@ -144,15 +130,10 @@ def live(
         Functions of the space whose values the page shows as charts, by their titles.
     events : list of str, optional
         List to which your functions append texts, which the page shows as events.
-    y_down, units, paused : bool, str, bool
-        Whether y points down on the page, unit of length, for example "px", and whether to begin paused.
-    browser : bool
-        Whether to open a browser; a notebook with anywidget shows the page itself.
+    y_down, units, paused, browser : bool, str, bool, bool
+        Whether y points down, unit of length ("px"), whether to begin paused, and whether to open a browser.
     host, port, allow_hosts : str, int, sequence of str
-        Address to listen on, by default for programs on this machine only; port, 0 for a free one; and names of hosts
-        under which a proxy shows the page.
-    record : path, optional
-        File to write when the session is stopped: .json (inputs), or of a replay of them .npz (the run of a dragon).
+        Address to listen on; port, 0 for a free one; and names under which a proxy shows the page.
 
     Raises
     ------
@@ -162,26 +143,23 @@ def live(
     Examples
     --------
     >>> import pymunk
-    >>> from pymunk_dragon import Button, Slider, live
+    >>> from pymunk_dragon import Slider, live
     >>> def build(gravity=900.0, radius=10.0):
     ...     space = pymunk.Space()
     ...     space.gravity = 0, gravity
     ...     body = pymunk.Body(1, 10)
     ...     space.add(body, pymunk.Circle(body, radius))
     ...     return space
-    >>> def kick(space):
-    ...     next(iter(space.bodies)).apply_impulse_at_local_point((0, -500))
-    >>> controls = [Slider("gravity", 0, 2000), Slider("radius", 5, 20, rebuilds=True), Button("Kick", kick)]
+    >>> controls = [Slider("gravity", 0, 2000), Slider("radius", 5, 20, rebuilds=True)]
     >>> with live(build, controls=controls, y_down=True, units="px", browser=False) as session:
     ...     print(session.address.partition(":")[0])
     http
     """
-    path = None if record is None else check_destination(record, RECORDING_ENDINGS)
     length = None if step is None else finite("step", step, 1e-6, MAX_STEP, "s")
     seen: Any = {"plots": plots or {}, "events": events, "y_down": y_down, "units": units}
     play = Play(step=length, on_step=on_step, controls=controls, **seen)
     session = Session(source_of(what, play), running=not paused)
-    return Live(session, path, browser=browser, host=host, port=port, allow_hosts=allow_hosts)
+    return Live(session, browser=browser, host=host, port=port, allow_hosts=allow_hosts)
 
 
 def source_of(what: object, play: Play) -> Ready:
@@ -191,28 +169,23 @@ def source_of(what: object, play: Play) -> Ready:
     if isinstance(what, March):
         return dragon(what)
     if isinstance(what, pymunk.Space):
-        return program(_again(what), play)
+        return program(_states(what).__next__, play)
     if not callable(what):
         raise ParameterError("what", what, "a March, a pymunk.Space, a function that returns one, or a scene's name")
     return program(what, play)
 
 
-def _again(space: pymunk.Space) -> Callable[[], pymunk.Space]:
-    """Return a function that returns a space, from the second time on as it is now."""
+def _states(space: pymunk.Space) -> Iterator[pymunk.Space]:
+    """Yield a space, and then again and again as it was at first."""
     items: list[pymunk.Body | pymunk.Shape | pymunk.Constraint] = [*space.bodies, *space.shapes, *space.constraints]
     before = [(part, name, getattr(part, name)) for part in (space, *items) for name in _KEPT if hasattr(part, name)]
-    calls = count()
-
-    def build() -> pymunk.Space:
-        if next(calls):
-            # All shapes are removed, as the space keeps contacts of shapes that stay.
-            space.remove(*space.constraints, *space.shapes, *space.bodies)
-            for part, name, value in before:
-                setattr(part, name, value)
-            space.add(*items)
-        return space
-
-    return build
+    while True:
+        yield space
+        # All shapes are removed, as the space keeps contacts of shapes that stay.
+        space.remove(*space.constraints, *space.shapes, *space.bodies)
+        for part, name, value in before:
+            setattr(part, name, value)
+        space.add(*items)
 
 
 def _has_widgets() -> bool:

@@ -1,4 +1,4 @@
-"""A session: a scene that is stepped in real time, what was done to it, and its clients."""
+"""A session: a scene that is stepped in real time, its clients, and the log of what they did to it."""
 
 from __future__ import annotations
 
@@ -6,28 +6,33 @@ import json
 import math
 import threading
 import traceback
-from collections import deque
 from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import Future
-from contextlib import contextmanager, suppress
-from functools import partial
+from contextlib import contextmanager
+from functools import cache, partial
+from html import escape
 from pathlib import Path
 from time import perf_counter, sleep
-from typing import TYPE_CHECKING, Any, get_type_hints
+from typing import Any, get_type_hints
 
+import numpy as np
 import pymunk
 
+from pymunk_dragon import player
 from pymunk_dragon._arguments import MAX_COORDINATE, finite, whole, word
+from pymunk_dragon._files import read_text
 from pymunk_dragon.drawing.canvas import without_nan
-from pymunk_dragon.errors import DragonError, ParameterError
+from pymunk_dragon.errors import DragonError, FileFormatError, ParameterError
 from pymunk_dragon.physics.callbacks import callbacks_raise
-from pymunk_dragon.sessions.controls import Slider
+from pymunk_dragon.player.page import catalogue, document
+from pymunk_dragon.reports._html import asset, embedded_json
 from pymunk_dragon.sessions.dragon import DragonScene
-from pymunk_dragon.sessions.ready import SCENES, Ready, ready
+from pymunk_dragon.sessions.ready import SCENES, Ready, planned, ready
 
-if TYPE_CHECKING:
-    from pymunk_dragon.sessions.recording import Log
-
+# What was done to a scene since it was built, as it is written as JSON: `inputs` with the number of steps before each.
+Log = dict[str, Any]
+# Parts of the script of the page; each uses only those before it.
+_SCRIPTS = ["connection", "model", "force_scale", "shapes", "overlays", "live_paint", "parameters", "live_charts"]
+_SCRIPTS += ["tools", "recorder", "live_show", "live", "live_controls"]
 # Inputs are actions of scenes, which are recorded; all other actions change no motion.
 _INPUTS = "set contacts grab drag drop release hold cut obstacle remove press pointer"
 _HINTS = {name: get_type_hints(getattr(DragonScene, name)) for name in _INPUTS.split()}
@@ -37,50 +42,47 @@ _OTHERS: dict[str, dict[str, type]] = {"step": {"count": int}, "speed": {"value"
 ACTIONS = INPUTS | _OTHERS | _PING | {name: {} for name in ("play", "pause", "reset", "until_contact")}
 # A message that waits is replaced by a later one of these with the same name: of many resets, one is carried out.
 _REPLACED = "set", "drag", "scene", "reset"
-# Most inputs: two hours of a mouse that never rests; single steps; and events of a second that clients get.
-MAX_INPUTS, _MAX_COUNT, _MAX_EVENTS = 500_000, 100_000, 20
-# Simulated over real time.
-_SPEEDS = 0.1, 20.0
-# s. Longest step; time between frames, at least, and between values of charts; and that of the average rate.
-MAX_STEP, _FRAME_TIME, _PLOT_TIME, _RATE_TIME = 10.0, 1 / 60, 0.1, 1.0
-# s of real time: a computer that is slower than real time does not try to catch up with more than this.
-_LARGEST_DEBT = 0.1
-# s between two checks for messages, and for Ctrl-C; and to wait for a thread, which a function of the user's may hold.
-_TICK, _PATIENCE, _LONGEST_STOP = 0.002, 0.2, 0.5
-# Lines of a traceback that the page shows; and files that are not the user's.
-_TRACE_LINES, _LIBRARIES = 8, (str(Path(__file__).parents[1]), str(Path(pymunk.__file__).parent))
+# Most inputs: two hours of a mouse that never rests; bytes of a file with them, and its steps.
+_MAX_INPUTS, _MAX_SIZE, _MAX_STEPS = 500_000, 100_000_000, 100_000_000
+# Most messages that wait, single steps, and events of a second that clients get; speeds, simulated over real time.
+_MAX_WAITING, _MAX_COUNT, _MAX_EVENTS, _SPEEDS = 1000, 100_000, 20, (0.1, 20.0)
+# s. Longest step; time between frames, at least, and between values of charts; most that a slow computer makes up for.
+MAX_STEP, _FRAME_TIME, _PLOT_TIME, _LARGEST_DEBT = 10.0, 1 / 60, 0.1, 0.1
+# s between two checks for messages; and to wait for a thread, which a function of the user's may hold.
+_TICK, _PATIENCE = 0.002, 0.5
+# Calls in a traceback that the page shows; and files that are not the user's.
+_TRACE_CALLS, _LIBRARIES = 3, (str(Path(__file__).parents[1]), str(Path(pymunk.__file__).parent))
 
 
 class Session:
-    """A scene in motion, which a thread of its own steps, or a program by `step`."""
+    """A scene in motion, which a thread of its own steps, or a program by `step`; with a log, its replay."""
 
-    def __init__(self, source: Ready, *, running: bool = True) -> None:
+    # The steps of a log that is played again; how far its last poses are from those of the log, or what ended it.
+    _replay: Iterator[None] | None = None
+    _replayed: float | DragonError | None = None
+
+    def __init__(self, source: Ready, *, running: bool = True, log: Log | None = None) -> None:
         self._own = source
-        # Pages: `tell` sends one a text, `show` a frame, and `controls` is whether it may change anything.
+        # Pages: `tell` sends a text, `show` a frame, `stop` ends one, and `controls` is whether it may change anything.
         self.clients: tuple[Any, ...] = ()
         self._sharing = threading.Lock()
         # The client whose hand holds a body.
         self._holder: object = None
         self.running, self.speed, self.generation, self._single_steps = running, 1.0, 0, 0
-        # The steps of a recording that is played again; and its last poses in the end.
-        self._replay: Iterator[None] | None = None
-        self._replayed: Future[list[list[float]] | None] = Future()
         # What is to be done between two steps, by keys.
         self._queue: dict[object, Callable[[], object]] = {}
         # What clients were told last: the scene, its state, and the error by which the session is paused.
         self._description: dict[str, Any] = {}
         self._told: dict[str, Any] | None = None
         self._failure: list[dict[str, Any]] = []
-        # Real and simulated times of the frames of the last second.
-        self._pace: deque[tuple[float, float]] = deque()
-        self._due = self._frame_due = self._shown = perf_counter()
-        self._step_seconds = self._plotted = 0.0
+        self._due = self._frame_due = self._plotted = self._step_seconds = 0.0
         # When the present second of events began, and their number.
         self._second, self._events = 0.0, 0
         # Held while a step is made or messages are taken: a program that holds it may change the space.
         self.held, self._ended = threading.RLock(), threading.Event()
         self._thread = threading.Thread(target=self._run, name="pymunk-dragon live", daemon=True)
-        self._build(source, {})
+        self._build(source, log["values"] if log else {})
+        self._replay = self._steps_of(log) if log else None
 
     # ---- from other threads
 
@@ -101,15 +103,12 @@ class Session:
         self._run(1)
 
     def stop(self) -> None:
-        """End the thread; one that is held by a function of the user's ends after it."""
+        """End the thread, and what clients see; a thread that a function of the user's holds ends after it."""
         self._ended.set()
         if self._thread.is_alive():
-            self._thread.join(_LONGEST_STOP)
-
-    def wait(self) -> None:
-        """Wait until the session is stopped from another thread."""
-        while not self._ended.wait(_PATIENCE):
-            pass
+            self._thread.join(_PATIENCE)
+        for client in self.clients:
+            client.stop()
 
     def join(self, client: Any) -> None:
         """Have a client get what is told and shown: first the scene, and the error by which it is paused."""
@@ -118,6 +117,8 @@ class Session:
             self._told = None
             for message in (self._description, *self._failure):
                 client.tell(message)
+        if self._ended.is_set():
+            client.stop()
 
     def leave(self, client: Any) -> None:
         """Forget a client, and drop the body that it holds."""
@@ -130,11 +131,13 @@ class Session:
         """Take a text of a client, which gets an answer if it is not carried out."""
         try:
             message = checked(json.loads(text), ACTIONS if client.controls else _PING)
+            if message["do"] == "ping":
+                client.tell({"kind": "pong", "id": message["id"]})
+                return
+            if len(self._queue) >= _MAX_WAITING:
+                raise ParameterError("message", message["do"], f"sent while fewer than {_MAX_WAITING} wait")
         except (ValueError, RecursionError) as error:
             client.tell({"kind": "error", "text": str(error)})
-            return
-        if message["do"] == "ping":
-            client.tell({"kind": "pong", "id": message["id"]})
             return
         # One hand: a client that grabs another body takes the hand over.
         self._holder = {"grab": client, "drop": None}.get(message["do"], self._holder)
@@ -163,35 +166,19 @@ class Session:
         own |= {"kind": "state", "clients": len(self.clients), "replaying": self._replay is not None}
         return own | dict(without_nan(self.scene.state()))
 
-    def play_again(self, log: Log) -> None:
-        """Build the scene of a log, and carry out its inputs before the steps at which they came; before `start`."""
-        self._build(self.source, log.values)
-        self._replay = self._steps_of(log)
+    def log(self) -> Log:
+        """Return what was done since the scene was built; the session must not step meanwhile."""
+        scene, inputs = self.scene, [json.loads(each) for each in self.inputs]
+        about = {"plan": self.source.plan, "values": self.values, "steps": scene.steps}
+        return about | {"inputs": inputs, "poses": scene.poses().tolist()}
 
-    def _steps_of(self, log: Log) -> Iterator[None]:
-        """Make the steps of a log, each in a `next`, with the inputs before them, and those after the last one."""
-        for step, message in [*log.inputs, (log.steps, None)]:
-            while self.scene.steps < step:
-                self.scene.advance()
-                yield
-            if message is not None:
-                self._apply(message)
-        self._pause()
-        self._replay = None
-        self._replayed.set_result(self.scene.poses().tolist())
-
-    def replay_until(self, time: float) -> None:
-        """Make the steps of a replay up to a time, as fast as they go, in place of the thread."""
-        while self._replay is not None and self.scene.time < time:
-            self._step()
-        if self._replay is None:
-            self._replayed.result()
-
-    def wait_for_replay(self) -> list[list[float]] | None:
-        """Wait for the end of a replay, and return its last poses, or None if it was cancelled."""
-        while True:
-            with suppress(TimeoutError):
-                return self._replayed.result(_PATIENCE)
+    def wait_for_replay(self) -> float | None:
+        """Wait for the end of a replay; return the difference of its last poses, m or rad, or None without an end."""
+        while self._replay is not None:
+            sleep(_TICK)
+        if isinstance(self._replayed, DragonError):
+            raise self._replayed
+        return self._replayed
 
     # ---- in the thread that makes the steps
 
@@ -206,8 +193,8 @@ class Session:
                 now = perf_counter()
                 self._due = max(self._due, now - _LARGEST_DEBT) if self.running else now
                 is_due = self._single_steps > 0 or (self.running and now >= self._due)
-                # Steps that are due come before frames, for a while.
-                if self.clients and now >= (self._shown + _FRAME_TIME if is_due else self._frame_due):
+                # A step that is due comes before a frame, unless that waits.
+                if self.clients and now >= self._frame_due + _FRAME_TIME * is_due:
                     self._show(now)
                 if is_due:
                     self._step()
@@ -219,27 +206,42 @@ class Session:
         scene, begin = self.scene, perf_counter()
         self._single_steps = max(self._single_steps - 1, 0)
         with self._watched():
-            if self._replay is None:
-                scene.advance()
-            else:
+            if self._replay is not None:
+                # It goes on after a stop, as the recorded session did.
                 next(self._replay, None)
+            else:
+                scene.advance()
+                if scene.stops:
+                    self._pause()
+            scene.stops = False
             self._step_seconds = perf_counter() - begin
             self._tell_events(begin)
-            # A recorded session went on after a stop.
-            if scene.stops and self._replay is None:
-                self._pause()
-            scene.stops = False
         self._due += scene.step_length / self.speed
+
+    def _steps_of(self, log: Log) -> Iterator[None]:
+        """Make the steps of a log, each in a `next`, with the inputs before them, and those after the last one."""
+        for step, message in [*log["inputs"], (log["steps"], None)]:
+            while self.scene.steps < step:
+                self.scene.advance()
+                yield
+            if message is not None:
+                self._apply(message)
+        self._pause()
+        poses = self.scene.poses().tolist()
+        if len(poses) != len(log["poses"]):
+            raise DragonError("the recording has another number of bodies")
+        self._end_replay(float(np.abs(np.subtract(poses, log["poses"])).max(initial=0.0)))
+
+    def _end_replay(self, result: float | DragonError | None) -> None:
+        if self._replay is not None:
+            self._replayed, self._replay = result, None
 
     def _pause(self) -> None:
         self.running, self._single_steps = False, 0
 
     @contextmanager
     def _watched(self, answer: Callable[[Any], object] | None = None) -> Iterator[None]:
-        """Context in which an exception of the user's functions pauses the session, and is shown.
-
-        An error of this package's is the answer to a message, if there is one.
-        """
+        """Context in which an error pauses the session, and is shown; one of this package's is a message's answer."""
         try:
             with callbacks_raise():
                 yield
@@ -247,32 +249,19 @@ class Session:
             failure = _described(error)
             if answer is not None and isinstance(error, DragonError):
                 answer(failure)
-                return
-            self._pause()
-            if self._replay is not None:
-                self._replay = None
-                self._replayed.set_exception(DragonError(f"the replay ends at step {self.scene.steps}: {error}"))
             # Not again in each frame of a session that is paused by it.
-            if self._failure != [failure]:
+            elif self._failure != [failure]:
                 self._failure = [failure]
+                self._pause()
+                self._end_replay(DragonError(f"the replay ends at step {self.scene.steps}: {error}"))
                 self.tell(failure)
 
     def _show(self, now: float) -> None:
-        """Send clients the state if it changed, and a frame with the rate of the last second and values for charts."""
-        # At even intervals, but none is made up for.
-        self._frame_due = max(self._frame_due + _FRAME_TIME, now)
+        """Send clients the state if it changed, and a frame, now and then with values for charts."""
         if (state := self.state()) != self._told:
             self._told = state
             self.tell(state)
-        if not self.running:
-            self._pace.clear()
-        self._pace.append((now, self.scene.time))
-        while now - self._pace[0][0] > _RATE_TIME:
-            self._pace.popleft()
-        passed, simulated = now - self._pace[0][0], self.scene.time - self._pace[0][1]
-        # Not of the first moments after a pause.
-        rate = simulated / passed if passed >= _RATE_TIME / 2 else None
-        header: dict[str, Any] = {"generation": self.generation, "rate": rate, "step_time": self._step_seconds}
+        header: dict[str, Any] = {"generation": self.generation, "clock": now, "step_time": self._step_seconds}
         with self._watched():
             if self.running and now >= self._plotted + _PLOT_TIME:
                 self._plotted = now
@@ -280,7 +269,8 @@ class Session:
             frame = self.scene.frame(header)
             for client in self.clients:
                 client.show(frame)
-        self._shown = perf_counter()
+        # At even intervals, but none is made up for.
+        self._frame_due = max(self._frame_due + _FRAME_TIME, perf_counter())
 
     def _tell_events(self, now: float) -> None:
         """Tell what happened, but not more than clients can show; the rest is counted."""
@@ -289,10 +279,9 @@ class Session:
             if (i := self._events - _MAX_EVENTS) > 0:
                 texts.insert(0, f"{i} further events in a second")
             self._second, self._events = now, 0
-        for text in texts:
-            self._events += 1
-            if self._events <= _MAX_EVENTS:
-                self.tell({"kind": "event", "time": self.scene.time, "text": text})
+        for text in texts[: max(_MAX_EVENTS - self._events, 0)]:
+            self.tell({"kind": "event", "time": self.scene.time, "text": text})
+        self._events += len(texts)
         texts.clear()
 
     def _describe(self) -> None:
@@ -305,30 +294,26 @@ class Session:
 
     def _take(self, message: dict[str, Any], answer: Callable[[Any], object]) -> None:
         with self._watched(answer):
-            if message["do"] in INPUTS and (self._replay is not None or len(self.inputs) >= MAX_INPUTS):
-                raise ParameterError("message", message["do"], f"sent after a replay, and one of {MAX_INPUTS} inputs")
+            if message["do"] in INPUTS and (self._replay is not None or len(self.inputs) >= _MAX_INPUTS):
+                raise ParameterError("message", message["do"], f"sent after a replay, and one of {_MAX_INPUTS} inputs")
             if message["do"] in ("scene", "reset") and self.scene.play.step is None:
                 raise ParameterError("message", message["do"], "another one: this program builds its space itself")
             match message:
-                case {"do": "play"}:
+                case {"do": "play" | "until_contact" as action}:
                     self.running, self._failure = True, []
+                    self.scene.waits_for_contact |= action == "until_contact"
                 case {"do": "pause"}:
                     self._pause()
                 case {"do": "step", "count": count}:
-                    self.running, self._single_steps = False, whole("count", count, 1, _MAX_COUNT)
-                    self._failure = []
-                case {"do": "until_contact"}:
-                    self.running = self.scene.waits_for_contact = True
+                    self._single_steps = whole("count", count, 1, _MAX_COUNT)
+                    self.running, self._failure = False, []
                 case {"do": "speed", "value": value}:
                     self.speed = finite("speed", value, *_SPEEDS, "times")
-                    self._pace.clear()
                 case {"do": "scene", "name": name}:
                     self._build(self._own if name == self._own.name else ready(name), {})
                     self.running = True
                 case {"do": "reset"}:
                     self._build(self.source, self.values)
-                case {"do": "set", "name": name, "value": value} if self._slider(name).rebuilds:
-                    self._build(self.source, {**self.scene.values, name: self._slider(name).checked(value)})
                 case _:
                     self._apply(message)
 
@@ -339,14 +324,14 @@ class Session:
         if action is None:
             raise ParameterError("message", message["do"], "an action that this scene has")
         if message["do"] == "set":
-            arguments["value"] = self._slider(message["name"]).checked(message["value"])
+            slider = self.scene.parameters[word("name", message["name"], self.scene.parameters)]
+            arguments["value"] = slider.checked(message["value"])
+            if slider.rebuilds and self._replay is None:
+                self._build(self.source, {**self.scene.values, slider.name: arguments["value"]})
+                return
         action(**arguments)
         # As JSON, which takes less memory.
         self.inputs.append(json.dumps([self.scene.steps, message]))
-
-    def _slider(self, name: str) -> Slider:
-        known = self.scene.parameters
-        return known[word("name", name, list(known))]
 
     def _build(self, source: Ready, values: Mapping[str, float]) -> None:
         """Begin anew; the old scene stays if the new one cannot be built."""
@@ -360,13 +345,10 @@ class Session:
         self.source, self.scene, self.values = source, scene, dict(values)
         self.inputs: list[str] = []
         self.generation += 1
-        if self._replay is not None:
-            self._replay = None
-            self._replayed.set_result(None)
+        self._end_replay(None)
         self._single_steps, self._failure = 0, []
-        # The time in which a scene is built is not played.
-        self._due = perf_counter()
-        self._pace.clear()
+        # Events of the old scene that were not told are of no interest.
+        self._events = min(self._events, _MAX_EVENTS)
         self._describe()
 
 
@@ -376,10 +358,9 @@ def _described(error: Exception) -> dict[str, Any]:
         return {"kind": "error", "text": str(error)}
     frames = traceback.extract_tb(error.__traceback__)
     own = [frame for frame in frames if not frame.filename.startswith(_LIBRARIES)] or frames
-    lines = "".join(traceback.format_list(own)).splitlines()
     place = f"{Path(own[-1].filename).name}, line {own[-1].lineno}: {own[-1].line}"
-    text = f"{type(error).__name__}: {error}"
-    return {"kind": "error", "text": text, "place": place, "trace": "\n".join(lines[-_TRACE_LINES:])}
+    text, trace = f"{type(error).__name__}: {error}", "".join(traceback.format_list(own[-_TRACE_CALLS:]))
+    return {"kind": "error", "text": text, "place": place, "trace": trace}
 
 
 def checked(found: Any, actions: Mapping[str, Mapping[str, type]]) -> dict[str, Any]:
@@ -395,3 +376,34 @@ def checked(found: Any, actions: Mapping[str, Mapping[str, type]]) -> dict[str, 
         if type(message[name]) is not kind:
             raise ParameterError(name, value, f"a value of the type {kind.__name__}")
     return message
+
+
+def load_log(path: str | Path) -> Log:
+    """Read a log from a file that the program or the page wrote."""
+    text = read_text(path, "replay", _MAX_SIZE)
+    try:
+        log: Log = json.loads(text)
+        planned(log["plan"])
+        for step, message in [*log["inputs"], (log["steps"], {"do": "drop"})]:
+            whole("step", step, 0, _MAX_STEPS)
+            checked(message, INPUTS)
+        for name, value in log["values"].items():
+            finite(name, value, -math.inf, math.inf, "")
+        np.array(log["poses"], dtype=float).reshape(len(log["poses"]), 3)
+    except Exception as error:  # Whatever it is, the content is to blame.
+        raise FileFormatError(path, "no recording of a ready scene or of a march, or a damaged one") from error
+    return log
+
+
+@cache
+def live_page(title: str, language: str) -> tuple[str, str]:
+    """The page, which opens in a language, and its content security policy."""
+    return document(
+        asset(__package__, "assets/live.html"),
+        asset(__package__, "assets/live.css"),
+        "".join(asset(__package__, f"assets/{name}.js") for name in _SCRIPTS),
+        "; connect-src 'self'",
+        language=language,
+        title=escape(title),
+        texts=embedded_json({"zh": catalogue(player.__name__, __package__)}),
+    )

@@ -13,13 +13,11 @@ from traitlets import Unicode
 from pymunk_dragon._language import language
 from pymunk_dragon.drawing.debug_draw import still
 from pymunk_dragon.reports._html import asset, data_address
-from pymunk_dragon.sessions.page import live_page
-from pymunk_dragon.sessions.session import Session
+from pymunk_dragon.sessions.session import Session, live_page
 
 # Frames on the way to the page, at most; the page tells of every third that it has drawn it.
 MOST_FRAMES = 6
-# s without a message after which nobody looks: the page sends one every 5 s. The server of a notebook keeps what its
-# pages do not take, without a bound.
+# s without a message, of which the page sends one every 5 s, after which nothing is sent: notebooks keep it unbounded.
 SILENCE = 15.0
 
 

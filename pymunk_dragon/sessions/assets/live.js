@@ -6,6 +6,7 @@ const EDGE = 14; // pixels between tools or buttons and the edge of the canvas
 const SCALE_BAR_ROOM = 24; // pixels at the lower border that the fitted view leaves free
 const BUILDING_AFTER = 100; // ms
 const ANNOUNCE_EVERY = 1500; // ms: events in between are not announced to screen readers
+const RATE_TIME = 1; // s: the rate of the simulation is an average of so long
 const SLOW = 0.9; // less than this fraction of the chosen speed is marked as slow
 const SWITCHES = ["curve", "handles", "labels", "ghost", "forces", "contacts"];
 const SHOWN_BY_DEFAULT = ["curve", "ghost", "contacts"];

@@ -79,12 +79,23 @@ function showAccess(live) {
   element("role").hidden = role === "";
 }
 
-function showFrame({ frame, state }) {
+// Simulated over real time in the last second, by the session's clock; null in the first moments after a change.
+function rateOf(live) {
+  const { state: { running, speed }, frame: { generation, clock, time } } = live;
+  const kind = [running, speed, generation].join();
+  if (live.paceKind !== kind) Object.assign(live, { paceKind: kind, pace: [] });
+  live.pace = [...live.pace, { clock, time }].filter((one) => one.clock >= clock - RATE_TIME);
+  const [first] = live.pace, passed = clock - first.clock;
+  return passed >= RATE_TIME / 2 ? (time - first.time) / passed : null;
+}
+
+function showFrame(live) {
+  const { frame, state } = live;
   setText("clock", frame.time.toFixed(2));
   setText("march", marchText(frame));
-  const known = frame.rate !== null;
-  const slow = state.running && known && frame.rate < SLOW * state.speed;
-  const rate = known ? `${frame.rate.toFixed(2)}×` : "–";
+  const now = rateOf(live), known = now !== null;
+  const slow = state.running && known && now < SLOW * state.speed;
+  const rate = known ? `${now.toFixed(2)}×` : "–";
   const achieved = slow ? localized("Slow: {rate}", { rate }) : localized("{rate} real time", { rate });
   setText("achieved", state.running ? achieved : localized("Paused"));
   element("achieved").classList.toggle("slow", slow);
