@@ -52,7 +52,7 @@ class DragonScene(Scene):
         low, high = self._curve.min(axis=0), self._curve.max(axis=0)
         (x, y), (width, height) = (low + high) / 2, high - low + march.dragon.lengths.max()
         super().__init__(self.world.space, Play(step=self.world.substep, field=(x, y, width, height)))
-        self.time = self.march_time = start
+        self.time = start
         self._numbers: dict[pymunk.Shape, int] = {shape: number for number, shape in enumerate(self.world.shapes)}
         # Rows of the contacts of pairs that touch, and of those in the step before.
         self._touching: dict[tuple[int, ...], list[tuple[float, ...]]] = {}
@@ -94,7 +94,6 @@ class DragonScene(Scene):
         self._touched, self._touching = self._touching, {}
         super().advance()
         world.read()
-        self.march_time = world.time
 
     def _touch(self, arbiter: pymunk.Arbiter, space: pymunk.Space, solved: bool) -> None:
         """Note a contact of this step, tell of it if it begins, and stop at it if contacts do so."""
@@ -146,7 +145,7 @@ class DragonScene(Scene):
         return self.world.poses
 
     def _parts(self) -> tuple[dict[str, Any], dict[str, Array]]:
-        states, poses = self.march.at(self.march_time), self.world.poses
+        states, poses = self.march.at(self.world.time), self.world.poses
         arrays = {
             "poses": poses,
             "exact": states.poses[0],
@@ -155,7 +154,7 @@ class DragonScene(Scene):
             "contacts": np.array([row for rows in self._touching.values() for row in rows]).reshape(-1, 5),
         }
         touching = sorted({number for pair in self._touching for number in pair} - {_OBSTACLE})
-        return {"march_time": self.march_time, "touching": touching, "waits": self.world.share < 1}, arrays
+        return {"march_time": self.world.time, "touching": touching, "waits": self.world.share < 1}, arrays
 
 
 def _settings(values: _Values) -> dict[str, Any]:
