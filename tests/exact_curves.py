@@ -33,15 +33,15 @@ def arc_length(theta, pitch):
     return pitch / (4 * mp.pi) * (theta * mp.sqrt(theta**2 + 1) + mp.asinh(theta))
 
 
-def spiral(pitch, rotation=0, outward=False, mirrored=False):
+def spiral(pitch, rotation=0, outward=False):
     """The path r = k theta about the origin, by its arc length from the centre, negative on the way in."""
-    pitch, side = mp.mpf(pitch), -1 if mirrored else 1
+    pitch = mp.mpf(pitch)
     k = pitch / (2 * mp.pi)
 
     def at(s):
         length = s if outward else -s
         theta = mp.findroot(lambda theta: arc_length(theta, pitch) - length, mp.sqrt(2 * length / k) + mp.mpf("1e-9"))
-        return _of_parameter(lambda p: k * p * mp.expj(side * p + rotation), theta, 1 if outward else -1)
+        return _of_parameter(lambda p: k * p * mp.expj(p + rotation), theta, 1 if outward else -1)
 
     return at
 

@@ -14,7 +14,7 @@ from types import SimpleNamespace
 import aiohttp
 import numpy as np
 
-from pymunk_dragon.sessions.handle import serve, source_of
+from pymunk_dragon.sessions.handle import Live, source_of
 from pymunk_dragon.sessions.ready import planned
 from pymunk_dragon.sessions.recording import Log
 from pymunk_dragon.sessions.scene import Play
@@ -139,7 +139,7 @@ def decoded(frame: bytes):
 def served(source: object = "pendulum", **options: object):
     """A session with a server, without a browser."""
     session = Session(source if hasattr(source, "build") else source_of(source, Play()))
-    found = serve(session, **{"host": "127.0.0.1", "port": 0} | options)
+    found = Live(session, **{"host": "127.0.0.1", "port": 0} | options)
     try:
         yield found
     finally:

@@ -144,20 +144,9 @@ CURVES = {
 }
 # s: central differences lose as much to rounding as to curvature.
 STEP = 2e-5
-on_every_curve = pytest.mark.parametrize(("curve", "head"), CURVES.values(), ids=CURVES)
 
 
-def bench_angles(curve, heads):
-    """Coordinates of the handles (T, H), and e^(i alpha), e^(i beta) of the benches (T, N)."""
-    handles_s = curve.chain(heads, SPACINGS)
-    return handles_s, *chain.angles(*curve.frame(handles_s), SPACINGS)
-
-
-MARCHES = {
-    name: (March(Dragon(body_spacing=[1.65, 1.65, 1.2]), curve, start_s=head), [0.0])
-    for name, (curve, head) in CURVES.items()
-}
-FOUR = Dragon(body_spacing=[1.65, 1.65, 1.2])
+FOUR = Dragon(body_spacing=SPACINGS[1:])
 MARCHES = {name: (March(FOUR, curve, start_s=head), [0.0]) for name, (curve, head) in CURVES.items()}
 MARCHES["the paper's"] = March(), [0, 100, 300, 412]
 # Handles go back.
@@ -180,18 +169,11 @@ def test_velocities_are_the_rates_of_coordinates_positions_and_poses(march, time
     assert now.pose_velocities == pytest.approx(poses, abs=2e-8)
 
 
-@on_every_curve
-def test_angular_rates_are_the_derivatives_of_the_angles_of_benches(curve, head):
-    handles_s, front, rear = bench_angles(curve, np.array([head - STEP, head, head + STEP]))
-    along = np.diff(curve.point(handles_s), axis=1) @ [-1, -1j]
-    expected = np.angle(along[2] / along[0]) / (handles_s[2, :-1] - handles_s[0, :-1])
-    np.testing.assert_allclose(chain.angular_rates(front, rear, SPACINGS)[1], expected, atol=2e-8)
-
-
-@on_every_curve
+@pytest.mark.parametrize(("curve", "head"), CURVES.values(), ids=CURVES)
 def test_bounds_hold_for_the_rates_and_their_changes(curve, head):
     """With the curvature's own bound; the changes are differences between heads a step apart."""
-    handles_s, front, rear = bench_angles(curve, head + np.linspace(-0.5, 0.5, 201))
+    handles_s = curve.chain(head + np.linspace(-0.5, 0.5, 201), SPACINGS)
+    front, rear = chain.angles(*curve.frame(handles_s), SPACINGS)
     ratio, omega = front.real / rear.real, chain.angular_rates(front, rear, SPACINGS)
     curvature = curve.max_curvature(handles_s[:, 1:].min(axis=0), handles_s[:, :-1].max(axis=0))
     sines = np.abs(front.imag).max(axis=0), np.abs(rear.imag).max(axis=0)
@@ -210,24 +192,9 @@ def test_whole_chains_never_end_on_another_turn(monkeypatch):
     """From an estimate on another turn Newton's method finds other handles at the same distances: they are refused."""
     spiral = Spiral(pitch=0.3)
     heads, spacings = np.array([spiral.at_turn(turns) for turns in (3, 5, 9)]), np.array([1.65, 1.65])
-    expected, near = (
-        chain._bench_by_bench(spiral, heads, spacings),
-        spiral._estimate(heads, spiral._parameter(heads), spacings[:, None]),
-    )
+    expected = spiral.chain(heads, spacings)
+    near = spiral._estimate(heads, spiral._parameter(heads), spacings[:, None])
     for back in (0.3, 0.5, 0.99, 1.0, 1.01, 2.0):
         estimate = near - back * 2 * np.pi * np.array([[0], [1], [1]])
         monkeypatch.setattr(Spiral, "_estimate", lambda self, *arguments, estimate=estimate: estimate.copy())
-        found, succeeded = chain._whole_chains(spiral, heads, spacings)
-        np.testing.assert_allclose(found.handles_s[succeeded], expected[succeeded], rtol=0, atol=1e-11)
         np.testing.assert_allclose(spiral.chain(heads, spacings), expected, rtol=0, atol=1e-11)
-
-
-def test_chains_that_cannot_be_computed_as_a_whole_are_computed_bench_by_bench():
-    """A bench across a hairpin is nearly perpendicular to the path, and one before the path's begin has no handle."""
-    hairpin = Composite([Line(stop=(10, 0)), Arc(centre=(10, 0.6), radius=0.6, begin_angle=-np.pi / 2, sweep=np.pi)])
-    heads, spacings = np.linspace(1.0, hairpin.end_s, 60), np.array([1.1, 0.9])
-    _, succeeded = chain._whole_chains(hairpin, heads, spacings)
-    assert 0 < succeeded.sum() < heads.size
-    expected = chain._bench_by_bench(hairpin, heads, spacings)
-    np.testing.assert_allclose(hairpin.chain(heads, spacings), expected, rtol=0, atol=1e-11)
-    assert np.isnan(expected).any()

@@ -111,12 +111,8 @@ def test_impossible_curves_are_refused_by_the_name_of_the_parameter():
         return Sampled([*points[:row], point, *points[row + 1 :]])
 
     for make, name, bound, values in (
-        (
-            lambda value: Line(stop=value),
-            "stop",
-            "m",
-            [(0, 0), (0, 1e-4), (math.nan, 1), (1e6, 1), 3, "ab", (1, 2, 3), [[], 0]],
-        ),
+        (lambda value: Line(stop=value), "stop", "m", [(0, 0), (0, 1e-4), (math.nan, 1), (1e6, 1)]),
+        (lambda value: Line(stop=value), "stop", "m", [3, "ab", (1, 2, 3), [[], 0]]),
         (lambda value: Line(start=value, stop=(1, 1)), "start", "m", [(math.inf, 0), None]),
         (lambda value: Arc(radius=value, sweep=1), "radius", "0.001 to 100000 m", NO_NUMBERS),
         (lambda value: Arc(radius=1, sweep=value), "sweep", "rad", [0, 1e-12, math.nan, 1e5, "1"]),

@@ -16,8 +16,6 @@ from pymunk_dragon._language import in_language
 from pymunk_dragon.drawing import FILM_ENDINGS, lettering, still_png
 from pymunk_dragon.drawing.film.formats import WRITERS, Frames
 from pymunk_dragon.drawing.film.layout import Canvas
-from pymunk_dragon.drawing.film.timing import _events_of
-from pymunk_dragon.drawing.marks import _impulses, _touches, _velocities
 from pymunk_dragon.drawing.palette import BLOCK, COLOURS, colour_table
 from pymunk_dragon.drawing.snapshots import states
 from pymunk_dragon.errors import DragonError
@@ -184,15 +182,16 @@ def test_films_of_short_and_long_and_changing_marches_have_a_bearable_length(run
     assert np.diff(Film(until=60).timing([March(small, turns=16)]).times).max() <= 0.08
 
 
-def test_events_are_the_near_misses_and_contacts_of_each_run_once(seed):
-    for source in (seed, March()):
-        events = _events_of([source], (400 * (source is seed), 412.4738376821))
-        assert [event.time for event in events] == pytest.approx([*NEAR_MISSES, CONTACT], abs=1e-3)
-    # An unguided run does not have those of the exact model.
+def test_film_slows_down_once_for_the_events_of_all_its_sources(seed):
+    film = Film(start=300)
+    played, exact = film.timing([seed]).times, replace(film, until=412.4739).timing([March()]).times
+    np.testing.assert_allclose(played, exact, atol=1e-3)
+    # An unguided run does not have the near misses of the exact model.
     unguided = replace(seed, provenance={"player": "pymunk", "guide": "none"})
-    assert [event.time for event in _events_of([unguided], (400, 412.5))] == [CONTACT]
+    fewer = len(played) - len(film.timing([unguided]).times)
+    assert fewer == pytest.approx(2 * film.fps, rel=0.1)
     later = replace(seed, first_contact=replace(seed.first_contact, time=CONTACT - 1e-4))
-    assert _events_of([seed, later, seed.march], (0, CONTACT)) == _events_of([later], (0, CONTACT))
+    assert np.array_equal(film.timing([seed, later, seed.march]).times, film.timing([later]).times)
 
 
 def test_two_runs_stand_side_by_side_from_the_same_distance_until_both_are_over(run, tmp_path):
@@ -243,11 +242,6 @@ def shown(source, time, film):
     [scene], [state] = Canvas([source], np.array([time]), film).scenes, states(source, np.array([time]))
     layer = scene.layer(*state)
     return still(source, time, film), lambda points: layer.pixels(points) / BLOCK
-
-
-def colour_at(picture, xy):
-    x, y = (int(v) for v in xy)
-    return "#" + bytes(picture[y, x].tolist()).hex()
 
 
 def count(picture, name):
@@ -302,7 +296,7 @@ def test_bad_cameras_marks_and_times_are_refused(run, tmp_path):
 def test_camera_stays_above_the_head_or_shows_every_bench(run):
     for time in (0.0, 3.3, 10.0):
         picture, _ = shown(run, time, Film(size=200, camera=HEAD))
-        assert colour_at(picture, (100, 100)) == COLOURS.head
+        np.testing.assert_array_equal(picture[100, 100], np.rint(COLOURS.rgb("head")))
         _, place = shown(run, time, Film(size=(300, 200)))
         corners = place(MARCH.dragon.outlines(run.poses_at([time])[0])).reshape(-1, 2)
         assert np.all((corners > 0) & (corners < (300, 200)))
@@ -344,11 +338,6 @@ def test_exact_model_beside_a_run_shows_the_position_errors_of_the_run(run, text
         assert count(picture[:260, 302:], "motion") > 100
 
 
-def test_velocities_of_a_run_are_those_of_its_march(run):
-    [state] = states(run, np.array([4.321]))
-    np.testing.assert_allclose(_velocities(run, *state), MARCH.at([4.321]).velocities[0], atol=2e-3)
-
-
 def test_pictures_look_as_they_did(seed, golden):
     films = {
         "field": (seed, Film(size=330, show=("velocities", "grid"))),
@@ -365,10 +354,14 @@ def test_pictures_look_as_they_did(seed, golden):
 
 
 def test_contacts_are_shown_while_benches_touch(seed, small_run):
-    assert _touches(seed, CONTACT) == [([seed.first_contact.point], seed.first_contact.normal)]
     [window] = [window for window in small_run.events.windows() if window.end is not None]
-    assert _touches(small_run, (window.begin + window.end) / 2)
-    assert not _touches(small_run, window.begin - 0.05)
+    film = Film(size=200, camera=HEAD, show=("contacts",))
+    middle = (window.begin + window.end) / 2
+    for time, touching in ((window.begin - 0.05, False), (middle, True), (window.end + 0.05, False)):
+        assert (count(still(small_run, time, film), "force") > 0) is touching
+    # Where nothing is logged, the refined first contact is shown.
+    picture, place = shown(seed, CONTACT, film)
+    assert count(near(picture, place([seed.first_contact.point])[0]), "force") == 9
 
 
 def test_area_of_a_disc_is_in_proportion_to_the_impulse_of_the_frame_before(run):
@@ -379,6 +372,5 @@ def test_area_of_a_disc_is_in_proportion_to_the_impulse_of_the_frame_before(run)
     _, rear = MARCH.dragon.holes(run.poses_at([5.0])[0])
     areas = [count(near(picture, xy, 40), "force") for xy in place(rear[:2])]
     assert areas[0] / areas[1] == pytest.approx(4.0, rel=0.1)
-    rising = replace(run, joint_impulses=np.repeat(np.arange(len(run.times), dtype=float)[:, None], 15, axis=1))
-    for time, frame in ((0.0, 0), (0.0149, 1), (9.999, 999), (10.0, 1000)):
-        assert _impulses(rising, time)[0] == frame
+    pulled = replace(run, joint_impulses=np.where(run.times >= 5, 1.0, 0.0)[:, None] * np.ones(15))
+    assert [count(still(pulled, time, film), "force") > 1000 for time in (4.999, 5.0)] == [False, True]

@@ -21,8 +21,6 @@ from pymunk_dragon.errors import DragonError, ParameterError, UnreachableError
 from pymunk_dragon.model.curves import Arc, Composite, Line, Sampled, Spiral, sampled
 from pymunk_dragon.physics.callbacks import Motion
 
-# A bench that is 1 mm wider touches bench 11 where the seed's passes it; this one for 4 ms.
-TOUCHING_WIDTH = 0.3009741
 SIZES = ("head_spacing", "body_spacing", "overhang", "width")
 TIGHT = March(Dragon(benches=30), Spiral(pitch=0.31), turns=8)
 
@@ -120,7 +118,8 @@ def test_answer_is_a_value_from_which_a_run_gets_its_contact(seed_march, seed_im
 
 
 def test_contact_of_four_milliseconds_is_found_though_a_scan_misses_it():
-    march = March(Dragon(width=TOUCHING_WIDTH))
+    # A bench that is 1 mm wider touches bench 11 where the seed's passes it.
+    march = March(Dragon(width=0.3009741))
     found = first_contact(march)
     assert found.benches == (0, 11)
     assert 409.8 < found.time < 409.9

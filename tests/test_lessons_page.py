@@ -15,7 +15,7 @@ from pymunk_dragon.lessons._framework import page
 from pymunk_dragon.lessons._framework.lesson import blocks
 from pymunk_dragon.lessons._framework.notebook import make_notebook
 from pymunk_dragon.lessons._framework.page import make_page
-from pymunk_dragon.sessions.handle import serve
+from pymunk_dragon.sessions.handle import Live
 from pymunk_dragon.sessions.ready import ready
 from pymunk_dragon.sessions.session import Session
 
@@ -224,7 +224,7 @@ def test_experiments_with_pymunk_are_live_on_a_live_server(browser):
     page = make_page([played("callbacks"), played("tension")], live=True)
     session = Session(ready("unguided"))
     with (
-        serve(session, host="127.0.0.1", port=0, front=page) as running,
+        Live(session, host="127.0.0.1", port=0, front=page) as running,
         opened(browser, f"{running.address}&zh") as seen,
     ):
         for name in ("callbacks", "tension"):

@@ -52,13 +52,11 @@ def reported():
     return simulate(SIXTEEN, start=411.5, until=415.2, contacts="report")
 
 
-def test_march_ends_with_benches_0_and_8_at_the_true_time(any_march, seed_march):
+def test_march_ends_with_benches_0_and_8_at_the_true_time(any_march):
     assert any_march.outcome == "contact"
     assert any_march.first_contact.benches == (0, 8)
     assert any_march.first_contact.time == pytest.approx(TRUE_TIME, abs=0.5e-3)
     # Nothing touches on the way, although the head passes two benches closely.
-    assert 0 < shapely_gap(seed_march, 409.82, (0, 11)) < 0.9e-3
-    assert 0 < shapely_gap(seed_march, 406.81, (0, 9)) < 3.1e-3
     assert {event.benches for event in any_march.events} == {(0, 8)}
     assert min(event.time for event in any_march.events) == any_march.first_contact.raw_time
 
@@ -381,13 +379,10 @@ def test_unusable_settings_are_refused_by_name(seed_march):
         # None asks for the default, and a run may start at 0 s or before.
         if value is not None and not (name == "start" and isinstance(value, int) and value in (0, -1))
     ]
-    mine = [
-        type("Mine", (PathGuide,), members)()
-        for members in ({"joints": lambda self, bench, body: None}, {"anchors": 3}, {"anchors": [3]})
-    ]
+    wrong = (("joints", lambda self, bench, body: None), ("anchors", 3), ("anchors", [3]))
     cases += [
         *(("guide", {"guide": guide}) for guide in ("ropes", Rails, object(), 3)),
-        *zip(("Mine.joints", "Mine.anchors", "Mine.anchors"), ({"guide": guide} for guide in mine), strict=True),
+        *((f"Mine.{name}", {"guide": type("Mine", (PathGuide,), {name: value})()}) for name, value in wrong),
         ("contacts", {"contacts": "ignore"}),
         *(("until", {"start": 5.0, "until": until}) for until in (5.0, 1e300)),
         *(("substep", {"substep": substep}) for substep in (1.0, 1e-9)),

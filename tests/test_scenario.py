@@ -6,24 +6,17 @@ import math
 import numpy as np
 import pytest
 from conftest import NO_NUMBERS, assert_says, linux_only, refusal
-from test_curve_kinds import LogarithmicSpiral
+from test_curve_kinds import LONGER, PATH, LogarithmicSpiral
 
 from pymunk_dragon import Dragon, March, Run, Scenario
 from pymunk_dragon.errors import FileFormatError
 from pymunk_dragon.model import curves
-from pymunk_dragon.model.curves import Arc, Composite, Curve, Line, Reversed, Sampled, Section, Spiral, UTurn
+from pymunk_dragon.model.curves import Arc, Composite, Curve, Reversed, Sampled, Section, Spiral, UTurn
 
 NUMBERS = ["benches", "head_spacing", "body_spacing", "overhang", "width", "pitch", "turns", "speed"]
 # A bend to the right and one to the left, m.
 POINTS = ((0.0, 0.0), (10.0, 0.5), (20.0, -3.0), (30.0, -2.0), (40.0, 2.0), (52.0, 3.0))
 TABLE = ((0.0, 1.0), (20.0, 2.5), (25.0, 0.5))
-HAIRPIN = Composite(
-    [
-        Line(stop=(20, 0)),
-        Arc(centre=(20, 3), radius=3, begin_angle=-math.pi / 2, sweep=math.pi),
-        Line(start=(20, 6), stop=(4, 6)),
-    ]
-)
 MARCHES = {
     "the paper's": {},
     "an outward spiral": {"outward": True, "turns": 20, "benches": 20},
@@ -35,7 +28,7 @@ MARCHES = {
     "a table of speeds": {"speed": TABLE, "benches": 20},
     "lists": {"body_spacing": (3.0, 2.0), "overhang": (0.5, 0.3, 0.2), "width": (0.4, 0.5, 0.3)},
     "an arc": {"curve": Arc(centre=(1, 2), radius=9, begin_angle=0.5, sweep=-6.5), "benches": 5},
-    "a composite in a composite": {"curve": Composite([HAIRPIN, Line(start=(4, 6), stop=(-30, 6))]), "benches": 5},
+    "a composite in a composite": {"curve": LONGER, "benches": 5},
     "a part of a spiral": {"curve": Section(Spiral(pitch=1.1), -math.inf, -30), "benches": 5, "start_s": -60.0},
     "a part of a u-turn": {"curve": Section(UTurn(ratio=0.5), -50.0, 20.5), "benches": 5},
     "a path backwards": {"curve": Reversed(Sampled(POINTS)), "benches": 5},
@@ -105,11 +98,8 @@ def test_values_that_do_not_go_together_are_refused_by_name():
         ("body_spacing", {"body_spacing": 20}),
         ("overhang", {"overhang": 0.9}),
         ("ratio", {"ratio": 1.0}),
-        (
-            "points",
-            *({"curve": curve, "points": POINTS} for curve in ("spiral", "path.csv", LINE)),
-            {"curve": "sampled"},
-        ),
+        ("points", *({"curve": curve, "points": POINTS} for curve in ("spiral", "path.csv", LINE))),
+        ("points", {"curve": "sampled"}),
         ("turns", {"curve": "u-turn", "turns": 16}, {"turns": 16, "start_s": -400.0}),
         ("outward", {"curve": "u-turn", "outward": True}),
         ("curve", {"curve": "circle"}, {"curve": ""}, {"curve": 3}),
@@ -122,13 +112,13 @@ def test_values_that_do_not_go_together_are_refused_by_name():
 
 
 def test_toml_file_holds_names_tables_and_lists(tmp_path):
-    pieces = json.dumps(HAIRPIN.to_dict()["pieces"]).replace('": ', '" = ')
+    pieces = json.dumps(PATH.to_dict()["pieces"]).replace('": ', '" = ')
     for content, expected in (
         ("# a small dragon\nbenches = 16\npitch = 0.6\nturns = 8\n", {"benches": 16, "pitch": 0.6, "turns": 8}),
         ("[dragon]\nbenches = 16\n[curve]\nkind = 'spiral'\npitch = 0.6\n", {"benches": 16, "pitch": 0.6}),
         ("body_spacing = [3, 2.0]\nwidth = [0.4, 0.5, 0.3]", {"body_spacing": (3.0, 2.0), "width": (0.4, 0.5, 0.3)}),
         ("speed = [[0, 1], [20, 2.5], [25, 0.5]]", {"speed": TABLE}),
-        (f"benches = 4\n[curve]\nkind = 'composite'\npieces = {pieces}", {"benches": 4, "curve": HAIRPIN}),
+        (f"benches = 4\n[curve]\nkind = 'composite'\npieces = {pieces}", {"benches": 4, "curve": PATH}),
     ):
         assert of_toml(tmp_path, content) == Scenario(**expected)
 

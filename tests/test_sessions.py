@@ -33,9 +33,9 @@ from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.sessions import live
-from pymunk_dragon.sessions.messages import ACTIONS
 from pymunk_dragon.sessions.ready import dragon, ready
 from pymunk_dragon.sessions.recording import Log, record
+from pymunk_dragon.sessions.session import ACTIONS
 
 SHORT = March(Dragon(benches=20))
 

@@ -263,16 +263,13 @@ def test_line_is_broken_where_other_benches_touch():
     assert not artists(drawing, "reference")
 
 
-ODD = [
-    ({"k": [0.5, 2]}, functions.raising),
-    ({"k": [0, 1, 10, 1]}, functions.value),
-    ({"k": [9, 3], "width": [0.2, 0.3]}, functions.value),
-    ({"x": [1e300, 2e300]}, functions.total),
-]
-
-
 def test_odd_data_are_drawn_twice_the_same(tmp_path):
-    for axes, quantity in ODD:
+    for axes, quantity in (
+        ({"k": [0.5, 2]}, functions.raising),
+        ({"k": [0, 1, 10, 1]}, functions.value),
+        ({"k": [9, 3], "width": [0.2, 0.3]}, functions.value),
+        ({"x": [1e300, 2e300]}, functions.total),
+    ):
         # Warnings are errors.
         sweep(SMALL, axes, quantity, THREAD, [tmp_path / "a.png", tmp_path / "b.png"])
         assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()

@@ -62,7 +62,7 @@ def serve(session: Session, log: Log | None, path: Path | None, **address: Any) 
     """Show a session on a page until it ends, and write what was recorded, also where it was interrupted."""
     from pymunk_dragon.sessions import handle
 
-    running = handle.serve(session, **address)
+    running = handle.Live(session, **address)
     try:
         if address["host"] not in ("127.0.0.1", "localhost", "::1"):
             click.echo(text("Anybody who can reach this address and knows it can control the session:"), err=True)

@@ -49,9 +49,10 @@ A picture of 223 benches and their pivots, 640 x 640 pixels, takes 38 ms, and 36
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import reduce
+from io import BytesIO
 
 import pymunk
 from PIL import Image, ImageDraw
@@ -72,6 +73,8 @@ _SAMPLES = 2
 _EDGE_INSET = 0.4
 # Drawn pixels: what reaches farther is not drawn, because ImageDraw has integers of 32 bits.
 _MAX_REACH = 1e9
+# Pixels.
+_STILL_SIZE = 640, 480
 
 
 @dataclass(slots=True)
@@ -230,6 +233,18 @@ def extent(space: pymunk.Space) -> pymunk.BB:
     reaches = [(point, call.radius if call.outline else 0) for call in recorder.calls for point in call.points]
     boxes = [pymunk.BB.newForCircle(*reach) for reach in reaches if all(map(math.isfinite, (*reach[0], reach[1])))]
     return reduce(pymunk.BB.merge, boxes, pymunk.BB(math.inf, math.inf, -math.inf, -math.inf))
+
+
+def still(space: pymunk.Space, field: Mapping[str, Sequence[float]], *, y_down: bool, flags: int) -> bytes:
+    """Return a PNG of a part of a space, of a centre and a size, with what the `flags` of debug drawing choose."""
+    options = PillowDrawOptions(Image.new("RGB", _STILL_SIZE, "white"), positive_y_is_up=not y_down)
+    options.flags = flags
+    (x, y), (width, height) = field["centre"], field["size"]
+    options.fit(pymunk.BB(x - width / 2, y - height / 2, x + width / 2, y + height / 2))
+    space.debug_draw(options)
+    file = BytesIO()
+    options.image.save(file, "png")
+    return file.getvalue()
 
 
 def _paint(draw: ImageDraw.ImageDraw, view: pymunk.Transform, line: float, call: DrawCall) -> None:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+import sys
+import threading
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from time import perf_counter
@@ -20,13 +23,40 @@ _Vector = tuple[float, float]
 
 # Halvings of a substep: a hundredth of a second becomes 1e-11 s, far below what the engine's poses are worth.
 _BISECTIONS = 30
+# Exceptions in callbacks of the present thread, while they are collected; and the hook that was there before.
+_CAUGHT, _BEFORE = threading.local(), [sys.__unraisablehook__]
+
+
+@contextmanager
+def callbacks_raise() -> Iterator[None]:
+    """Context that raises the first exception in a callback of this thread at its end.
+
+    Pymunk calls back from C, where Python would only print an exception.
+    """
+    if sys.unraisablehook is not _collect:
+        # It stays, as other threads may be in this context too.
+        _BEFORE[0], sys.unraisablehook = sys.unraisablehook, _collect
+    errors = _CAUGHT.errors = []
+    try:
+        yield
+        if errors:
+            raise errors[0]
+    finally:
+        _CAUGHT.errors = None
+
+
+def _collect(raised: Any) -> None:
+    errors = getattr(_CAUGHT, "errors", None)
+    if errors is None or raised.exc_value is None:
+        _BEFORE[0](raised)
+    else:
+        errors.append(raised.exc_value)
 
 
 class Recorder:
     """Log of every collision callback of a world's space, as `ContactEvent`.
 
-    Pymunk calls back from C, where an exception would be printed and forgotten: it is kept here, and raised at the end
-    of `step`. Where contacts are only reported, the engine does not act on them, and `post_solve` never comes.
+    Where contacts are only reported, the engine does not act on them, and `post_solve` never comes.
 
     Pymunk 7.3.1 reports some rectangles in line as touching, metres deep or without a normal, although they are apart.
     So a contact is checked where it begins and where it is deeper than the narrowest bench. It is neither logged nor
@@ -46,7 +76,6 @@ class Recorder:
         self._narrowest = float(world.march.dragon.widths.min())
         # Pairs whose contact has begun and not ended.
         self._touching: set[tuple[int, int]] = set()
-        self._failures: list[BaseException] = []
         callbacks: dict[str, Any] = {phase: partial(self._call, phase) for phase in get_args(Phase)}
         world.space.on_collision(**callbacks)
 
@@ -57,12 +86,11 @@ class Recorder:
         begin = perf_counter()
         self.in_engine = True
         try:
-            self._world.space.step(self._world.substep)
+            with callbacks_raise():
+                self._world.space.step(self._world.substep)
         finally:
             self.in_engine = False
         seconds = perf_counter() - begin
-        if self._failures:
-            raise self._failures[0]
         if self._on_event is not None:
             for event in self.events[before:]:
                 self._on_event(event)
@@ -71,10 +99,7 @@ class Recorder:
     def _call(self, phase: Phase, arbiter: pymunk.Arbiter, space: pymunk.Space, data: Any) -> None:
         # A space that is taken apart reports a last `separate` of everything that still touches.
         if self.in_engine:
-            try:
-                self._log(phase, arbiter)
-            except BaseException as failure:
-                self._failures.append(failure)
+            self._log(phase, arbiter)
 
     def _log(self, phase: Phase, arbiter: pymunk.Arbiter) -> None:
         (first, first_body), (second, second_body) = (self._benches[shape] for shape in arbiter.shapes)

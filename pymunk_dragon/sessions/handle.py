@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 _KEPT = ("angle", "position", "velocity", "angular_velocity", "force", "torque", "gravity", "damping", "iterations")
 
 
-class Live:
+class Live(AbstractContextManager["Live"]):
     """A running session; `live` makes it.
 
     Examples
@@ -45,10 +45,13 @@ class Live:
     True
     """
 
-    def __init__(self, session: Session, path: Path | None, **options: Any) -> None:
+    def __init__(self, session: Session, path: Path | None = None, *, browser: bool = False, **options: Any) -> None:
         self._session, self._path, self._options = session, path, options
         # The server and the widgets, which end with the session.
         self._parts: list[Any] = []
+        if not _has_widgets() and self.address and browser:
+            webbrowser.open(self.address)
+        session.start()
 
     @cached_property
     def _server(self) -> Server:
@@ -88,9 +91,6 @@ class Live:
     def paused(self) -> AbstractContextManager[bool]:
         """Return a context in which the space is not stepped, so that a program may change it."""
         return self._session.held
-
-    def __enter__(self) -> Live:
-        return self
 
     def __exit__(self, *raised: object) -> None:
         self.stop()
@@ -160,17 +160,15 @@ def live(
     --------
     >>> import pymunk
     >>> from pymunk_dragon import Button, Slider, live
-    >>> def build(gravity=900.0, balls=3):
+    >>> def build(gravity=900.0, radius=10.0):
     ...     space = pymunk.Space()
     ...     space.gravity = 0, gravity
-    ...     for i in range(balls):
-    ...         body = pymunk.Body(1, 10)
-    ...         body.position = 30 * i, 0
-    ...         space.add(body, pymunk.Circle(body, 10))
+    ...     body = pymunk.Body(1, 10)
+    ...     space.add(body, pymunk.Circle(body, radius))
     ...     return space
     >>> def kick(space):
     ...     next(iter(space.bodies)).apply_impulse_at_local_point((0, -500))
-    >>> controls = [Slider("gravity", 0, 2000), Slider("balls", 1, 9, rebuilds=True), Button("Kick", kick)]
+    >>> controls = [Slider("gravity", 0, 2000), Slider("radius", 5, 20, rebuilds=True), Button("Kick", kick)]
     >>> with live(build, controls=controls, y_down=True, units="px", browser=False) as session:
     ...     print(session.address.partition(":")[0])
     http
@@ -179,7 +177,7 @@ def live(
     length = None if step is None else finite("step", step, 1e-6, MAX_STEP, "s")
     play = Play(step=length, on_step=on_step, controls=controls, plots=plots or {}, y_down=y_down, units=units)
     session = Session(source_of(what, play), running=not paused)
-    return serve(session, path, browser=browser, host=host, port=port, allow_hosts=allow_hosts)
+    return Live(session, path, browser=browser, host=host, port=port, allow_hosts=allow_hosts)
 
 
 def source_of(what: object, play: Play) -> Ready:
@@ -211,17 +209,6 @@ def _again(space: pymunk.Space) -> Callable[[], pymunk.Space]:
         return space
 
     return build
-
-
-def serve(session: Session, path: Path | None = None, *, browser: bool = False, **options: Any) -> Live:
-    """Start a session and its server, which has these options; and write a recording to `path` at the end."""
-    found = Live(session, path, **options)
-    if not _has_widgets():
-        address = found.address
-        if browser:
-            webbrowser.open(address)
-    session.start()
-    return found
 
 
 def _has_widgets() -> bool:

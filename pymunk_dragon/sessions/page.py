@@ -10,7 +10,7 @@ from pymunk_dragon.player.page import catalogue, document
 from pymunk_dragon.reports._html import asset, embedded_json
 
 # Parts of the script of this page; each uses only those before it.
-SCRIPTS = (
+_SCRIPTS = (
     *("connection", "model", "force_scale", "shapes", "overlays", "live_paint", "parameters", "live_charts"),
     *("tools", "recorder", "live_show", "live", "live_controls"),
 )
@@ -22,7 +22,7 @@ def live_page(title: str, language: str) -> tuple[str, str]:
     return document(
         asset(__package__, "assets/live.html"),
         asset(__package__, "assets/live.css"),
-        "".join(asset(__package__, f"assets/{name}.js") for name in SCRIPTS),
+        "".join(asset(__package__, f"assets/{name}.js") for name in _SCRIPTS),
         "; connect-src 'self'",
         language=language,
         title=escape(title),

@@ -2,36 +2,27 @@
 
 from __future__ import annotations
 
-import io
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pymunk
-from PIL import Image
 
 from pymunk_dragon._arguments import finite, whole
 from pymunk_dragon._files import check_destination, read_text, written_in_place
-from pymunk_dragon.drawing.debug_draw import PillowDrawOptions
 from pymunk_dragon.errors import DragonError, FileFormatError, ParameterError
 from pymunk_dragon.model.run import Run, position_errors
 from pymunk_dragon.model.settings import engine_provenance
 from pymunk_dragon.sessions.dragon import DragonScene
-from pymunk_dragon.sessions.messages import INPUTS, MAX_INPUTS, checked
 from pymunk_dragon.sessions.ready import planned
-from pymunk_dragon.sessions.session import Session
+from pymunk_dragon.sessions.session import INPUTS, MAX_INPUTS, Session, checked
 
 RECORDING_ENDINGS = (".json", ".npz")
-# Bytes of a recording with as many inputs as are kept.
-_MAX_SIZE = 200 * MAX_INPUTS
-# Steps of a recording, at most.
-_MAX_STEPS = 100_000_000
-# Frames a second of a run, and pixels of a picture.
-_RUN_FPS, _SIZE = 30, (640, 480)
+# Bytes of a recording with as many inputs as are kept; steps, at most; and frames a second of a run.
+_MAX_SIZE, _MAX_STEPS, _RUN_FPS = 200 * MAX_INPUTS, 100_000_000, 30
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,24 +47,17 @@ class Log:
         """Read the log in a file .json, as `record` and the page write it."""
         text = read_text(path, "replay", _MAX_SIZE)
         try:
-            return cls._of(json.loads(text))
+            log = cls(**json.loads(text))
+            if log.plan is not None:
+                planned(log.plan)
+            for step, message in [*log.inputs, (log.steps, {"do": "drop"})]:
+                whole("step", step, 0, _MAX_STEPS)
+                checked(message, INPUTS)
+            for name, value in log.values.items():
+                finite(name, value, -math.inf, math.inf, "")
+            return replace(log, poses=np.asarray(log.poses, dtype=float).reshape(-1, 3).tolist())
         except Exception as error:  # Whatever it is, the content is to blame.
             raise FileFormatError(path, "no recording of a live session, or a damaged one") from error
-
-    @classmethod
-    def _of(cls, notes: Mapping[str, Any]) -> Log:
-        inputs = [(whole("step", step, 0, _MAX_STEPS), checked(message)) for step, message in notes["inputs"]]
-        if any(message["do"] not in INPUTS for _, message in inputs):
-            raise DragonError("it has inputs that change nothing")
-        if notes["plan"] is not None:
-            planned(notes["plan"])
-        return cls(
-            plan=notes["plan"],
-            values={str(name): finite(name, value, -math.inf, math.inf, "") for name, value in notes["values"].items()},
-            steps=whole("steps", notes["steps"], 0, _MAX_STEPS),
-            inputs=inputs,
-            poses=np.asarray(notes["poses"], dtype=float).reshape(-1, 3).tolist(),
-        )
 
     def difference(self, poses: list[list[float]]) -> float:
         """Largest difference of coordinates, m, and angles, rad, of a replay's last poses from the recording's."""
@@ -91,37 +75,24 @@ def record(session: Session, path: str | Path) -> None:
 
     A run is that of a replay of the inputs. The session must not step meanwhile.
     """
-    destination, log = check_destination(path, RECORDING_ENDINGS), Log.of(session)
-    if destination.suffix == ".json":
-        with written_in_place(destination) as draft:
-            draft.write_text(log.to_json())
-    else:
-        again = Session(session.source)
-        again.play_again(log)
-        _run(again, log, session.scene.time - again.scene.time).save(destination)
+    destination = check_destination(path, RECORDING_ENDINGS)
+    if destination.suffix == ".npz":
+        _run(session).save(destination)
+        return
+    with written_in_place(destination) as draft:
+        draft.write_text(Log.of(session).to_json())
 
 
-def still(session: Session) -> bytes:
-    """Return a picture of the present state, by Pymunk's debug drawing, as the bytes of a PNG."""
-    scene, picture, file = session.scene, Image.new("RGB", _SIZE, "white"), io.BytesIO()
-    options = PillowDrawOptions(picture, positive_y_is_up=not scene.play.y_down)
-    options.flags = scene.drawn
-    (x, y), (width, height) = scene.field["centre"], scene.field["size"]
-    options.fit(pymunk.BB(x - width / 2, y - height / 2, x + width / 2, y + height / 2))
-    with session.held:
-        scene.space.debug_draw(options)
-    picture.save(file, "png")
-    return file.getvalue()
-
-
-def _run(session: Session, log: Log, seconds: float) -> Run:
-    """Return a replay of a dragon as a run, with errors against the exact model at the times of the march."""
-    scene = session.scene
-    if not isinstance(scene, DragonScene):
+def _run(session: Session) -> Run:
+    """Return a dragon's session as a run, with errors against the exact model at the times of the march."""
+    if not isinstance(session.scene, DragonScene):
         raise ParameterError("record", ".npz", ".json: only a dragon's session is a run")
-    frames = {}
+    log, again, frames = Log.of(session), Session(session.source), {}
+    again.play_again(log)
+    scene: Any = again.scene
+    seconds = session.scene.time - scene.time
     for due in scene.time + np.arange(math.ceil(seconds * _RUN_FPS) + 1) / _RUN_FPS:
-        session.replay_until(due)
+        again.replay_until(due)
         frames[scene.time] = scene.march_time, scene.poses()
     times, (march_times, poses) = np.array(list(frames)), map(np.array, zip(*frames.values(), strict=True))
     errors = position_errors(scene.march.dragon, poses, scene.march.at(march_times).positions)

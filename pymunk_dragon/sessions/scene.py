@@ -11,11 +11,11 @@ import numpy as np
 import pymunk
 
 from pymunk_dragon._arguments import Array, positive, word
+from pymunk_dragon.drawing.canvas import in_binary, packed
 from pymunk_dragon.drawing.debug_draw import DrawCall, DrawRecorder, extent
 from pymunk_dragon.drawing.readings import Readings, body_at, energies, joint_at, joint_rows
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.sessions.controls import Button, Key, PygameEvents, Slider
-from pymunk_dragon.sessions.messages import in_binary, packed
 
 # Largest acceleration by a hand, in m/s^2, as in Box2D's testbed: for scenes of this size; in larger ones, more.
 _HAND_ACCELERATION, _HAND_SIZE = 1000.0, 10.0

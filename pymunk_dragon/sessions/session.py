@@ -1,73 +1,86 @@
-"""A session: a scene that is stepped in real time, what was done to it, and who watches."""
+"""A session: a scene that is stepped in real time, what was done to it, and its clients."""
 
 from __future__ import annotations
 
 import json
+import math
 import threading
+import traceback
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Future
 from contextlib import contextmanager, suppress
 from functools import partial
+from pathlib import Path
 from time import perf_counter, sleep
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_type_hints
 
-from pymunk_dragon._arguments import finite, whole, word
+import pymunk
+
+from pymunk_dragon._arguments import MAX_COORDINATE, finite, whole, word
+from pymunk_dragon.drawing.canvas import without_nan
 from pymunk_dragon.errors import DragonError, ParameterError
+from pymunk_dragon.physics.callbacks import callbacks_raise
 from pymunk_dragon.sessions.controls import Slider
-from pymunk_dragon.sessions.messages import INPUTS, MAX_INPUTS, MAX_MESSAGE, parsed, without_nan
+from pymunk_dragon.sessions.dragon import DragonScene
 from pymunk_dragon.sessions.ready import SCENES, Ready, ready
-from pymunk_dragon.sessions.user_code import callbacks_raise, described
 
 if TYPE_CHECKING:
     from pymunk_dragon.sessions.recording import Log
 
+# Inputs are actions of scenes, which are recorded; all other actions change no motion.
+_INPUTS = "set contacts grab drag drop release hold cut obstacle remove press pointer"
+_HINTS = {name: get_type_hints(getattr(DragonScene, name)) for name in _INPUTS.split()}
+INPUTS = {name: {key: kind for key, kind in hints.items() if key != "return"} for name, hints in _HINTS.items()}
+_PING: dict[str, dict[str, type]] = {"ping": {"id": int}}
+_OTHERS: dict[str, dict[str, type]] = {"step": {"count": int}, "speed": {"value": float}, "scene": {"name": str}}
+ACTIONS = INPUTS | _OTHERS | _PING | {name: {} for name in ("play", "pause", "reset", "until_contact")}
+# A message that waits is replaced by a later one of these with the same name: of many resets, one is carried out.
+_REPLACED = "set", "drag", "scene", "reset"
+# Most inputs: two hours of a mouse that never rests; single steps; and events of a second that clients get.
+MAX_INPUTS, _MAX_COUNT, _MAX_EVENTS = 500_000, 100_000, 20
 # Simulated over real time.
-SPEEDS = 0.1, 20.0
-# s between frames, at least.
-_FRAME_TIME = 1 / 60
+_SPEEDS = 0.1, 20.0
+# s. Longest step; time between frames, at least, and between values of charts; and that of the average rate.
+MAX_STEP, _FRAME_TIME, _PLOT_TIME, _RATE_TIME = 10.0, 1 / 60, 0.1, 1.0
 # s of real time: a computer that is slower than real time does not try to catch up with more than this.
 _LARGEST_DEBT = 0.1
-# s between two checks for messages while the thread waits; and for Ctrl-C while another thread waits.
-_TICK, PATIENCE = 0.002, 0.2
-# s that `stop` waits for the thread, which a function of the user's may hold.
-_LONGEST_STOP = 0.5
-# s. Longest step.
-MAX_STEP = 10.0
-# s over which the rate is averaged, and between two values of the charts.
-_RATE_TIME, _PLOT_TIME = 1.0, 0.1
-# Steps at once; messages that wait for the thread, and events of a second that clients get: others are only counted.
-_MAX_COUNT, _MAX_WAITING, _MAX_EVENTS = 100_000, 1000, 20
+# s between two checks for messages, and for Ctrl-C; and to wait for a thread, which a function of the user's may hold.
+_TICK, _PATIENCE, _LONGEST_STOP = 0.002, 0.2, 0.5
+# Lines of a traceback that the page shows; and files that are not the user's.
+_TRACE_LINES, _LIBRARIES = 8, (str(Path(__file__).parents[1]), str(Path(pymunk.__file__).parent))
 
 
 class Session:
     """A scene in motion, which a thread of its own steps, or a program by `step`."""
 
     def __init__(self, source: Ready, *, running: bool = True) -> None:
-        self.source = self._own = source
+        self._own = source
         # Pages: `tell` sends one a text, `show` a frame, and `controls` is whether it may change anything.
         self.clients: tuple[Any, ...] = ()
-        self._telling = threading.Lock()
+        self._sharing = threading.Lock()
         # The client whose hand holds a body.
         self._holder: object = None
-        self.running, self.speed, self.generation = running, 1.0, 0
-        # Inputs of a recording that wait for their steps, and the step after which the replay ends.
-        self._replay: deque[tuple[int, dict[str, Any]]] | None = None
-        self._replay_end = 0
+        self.running, self.speed, self.generation, self._single_steps = running, 1.0, 0, 0
+        # The steps of a recording that is played again; and its last poses in the end.
+        self._replay: Iterator[None] | None = None
         self._replayed: Future[list[list[float]] | None] = Future()
-        self._queue: deque[Callable[[], object]] = deque()
-        self._wanted: tuple[Ready, Mapping[str, float]] | None = None
+        # What is to be done between two steps, by keys.
+        self._queue: dict[object, Callable[[], object]] = {}
+        # What clients were told last: the scene, its state, and the error by which the session is paused.
+        self._description: dict[str, Any] = {}
+        self._told: dict[str, Any] | None = None
+        self._failure: list[dict[str, Any]] = []
         # Real and simulated times of the frames of the last second.
         self._pace: deque[tuple[float, float]] = deque()
         self._due = self._frame_due = self._shown = perf_counter()
         self._step_seconds = self._plotted = 0.0
+        # When the present second of events began, and their number.
         self._second, self._events = 0.0, 0
-        self._failure: list[dict[str, Any]] = []
         # Held while a step is made or messages are taken: a program that holds it may change the space.
         self.held, self._ended = threading.RLock(), threading.Event()
-        self._changed, self._single_steps = False, 0
-        self._build(source, {})
         self._thread = threading.Thread(target=self._run, name="pymunk-dragon live", daemon=True)
+        self._build(source, {})
 
     # ---- from other threads
 
@@ -85,9 +98,7 @@ class Session:
             # Now the program has opened its window and filled its space.
             self.scene.fit()
             self._describe()
-            self.tell(self._description)
-        self._wait_for_step()
-        self._step()
+        self._run(1)
 
     def stop(self) -> None:
         """End the thread; one that is held by a function of the user's ends after it."""
@@ -97,147 +108,134 @@ class Session:
 
     def wait(self) -> None:
         """Wait until the session is stopped from another thread."""
-        while not self._ended.wait(PATIENCE):
+        while not self._ended.wait(_PATIENCE):
             pass
 
     def join(self, client: Any) -> None:
         """Have a client get what is told and shown: first the scene, and the error by which it is paused."""
-        with self._telling:
+        with self._sharing:
             self.clients = (*self.clients, client)
+            self._told = None
             for message in (self._description, *self._failure):
                 client.tell(message)
-        self._changed = True
 
     def leave(self, client: Any) -> None:
         """Forget a client, and drop the body that it holds."""
-        with self._telling:
+        with self._sharing:
             self.clients = tuple(each for each in self.clients if each is not client)
         if self._holder is client:
             self.post({"do": "drop"})
-        self._changed = True
 
     def receive(self, client: Any, text: str) -> None:
         """Take a text of a client, which gets an answer if it is not carried out."""
         try:
-            message = parsed(text)
-            action = message["do"]
-            if action == "ping":
-                client.tell({"kind": "pong", "id": message["id"]})
-                return
-            if not client.controls:
-                raise ParameterError("message", action, "sent from the other address: this one only watches")
-            if len(self._queue) >= _MAX_WAITING:
-                raise ParameterError("message", action, "sent later: too many wait")
-        except ParameterError as error:
-            client.tell({"kind": "error", "text": str(error)[:MAX_MESSAGE]})
+            message = checked(json.loads(text), ACTIONS if client.controls else _PING)
+        except (ValueError, RecursionError) as error:
+            client.tell({"kind": "error", "text": str(error)})
             return
-        # One hand: who grabs another body takes it over.
-        self._holder = {"grab": client, "drop": None}.get(action, self._holder)
-        self.post(message, lambda reason: client.tell({"kind": "error", "text": reason}))
+        if message["do"] == "ping":
+            client.tell({"kind": "pong", "id": message["id"]})
+            return
+        # One hand: a client that grabs another body takes the hand over.
+        self._holder = {"grab": client, "drop": None}.get(message["do"], self._holder)
+        self.post(message, client.tell)
 
-    def post(self, message: dict[str, Any], answer: Callable[[str], None] = lambda error: None) -> None:
-        """Have a message take effect before the next step; `answer` is called with the reason if it cannot."""
-        self.call(partial(self._take, message, answer))
+    def post(self, message: dict[str, Any], answer: Callable[[Any], object] = lambda error: None) -> None:
+        """Have a message take effect before the next step; `answer` is called with the error if it cannot."""
+        key = (message["do"], message.get("name")) if message["do"] in _REPLACED else None
+        self.call(partial(self._take, message, answer), key)
 
-    def call(self, action: Callable[[], object]) -> None:
-        """Have something done in the session's thread, between two steps."""
-        self._queue.append(action)
+    def call(self, action: Callable[[], object], key: object = None) -> None:
+        """Have something done in the session's thread, between two steps, in place of what waits with the same key."""
+        with self._sharing:
+            self._queue.pop(key, None)
+            self._queue[key or object()] = action
 
     def tell(self, message: dict[str, Any]) -> None:
         """Send a text to all clients."""
-        with self._telling:
+        with self._sharing:
             for client in self.clients:
                 client.tell(message)
 
     def state(self) -> dict[str, Any]:
         """Return what changes now and then."""
         own = {name: getattr(self, name) for name in ("generation", "running", "speed")}
-        own |= {"clients": len(self.clients), "replaying": self.replaying}
-        return dict(without_nan({"kind": "state", **own, **self.scene.state()}))
-
-    # ---- replays
-
-    @property
-    def replaying(self) -> bool:
-        """Whether a replay goes on."""
-        return self._replay is not None
+        own |= {"kind": "state", "clients": len(self.clients), "replaying": self._replay is not None}
+        return own | dict(without_nan(self.scene.state()))
 
     def play_again(self, log: Log) -> None:
         """Build the scene of a log, and carry out its inputs before the steps at which they came; before `start`."""
         self._build(self.source, log.values)
-        self._replay, self._replay_end = deque(log.inputs), log.steps
-        with self._watched():
-            self._go_on_with_replay()
+        self._replay = self._steps_of(log)
+
+    def _steps_of(self, log: Log) -> Iterator[None]:
+        """Make the steps of a log, each in a `next`, with the inputs before them, and those after the last one."""
+        for step, message in [*log.inputs, (log.steps, None)]:
+            while self.scene.steps < step:
+                self.scene.advance()
+                yield
+            if message is not None:
+                self._apply(message)
+        self._pause()
+        self._replay = None
+        self._replayed.set_result(self.scene.poses().tolist())
 
     def replay_until(self, time: float) -> None:
         """Make the steps of a replay up to a time, as fast as they go, in place of the thread."""
-        while self.replaying and self.scene.time < time:
+        while self._replay is not None and self.scene.time < time:
             self._step()
-        if not self.replaying:
+        if self._replay is None:
             self._replayed.result()
 
     def wait_for_replay(self) -> list[list[float]] | None:
         """Wait for the end of a replay, and return its last poses, or None if it was cancelled."""
         while True:
             with suppress(TimeoutError):
-                return self._replayed.result(PATIENCE)
+                return self._replayed.result(_PATIENCE)
 
-    def _go_on_with_replay(self) -> None:
-        """Carry out the inputs of a replay that belong before the next step; after its last step it ends."""
-        while self._replay and self._replay[0][0] <= self.scene.steps:
-            self._apply(self._replay.popleft()[1])
-        if self.replaying and self.scene.steps >= self._replay_end:
-            self._pause()
-            self._replay = None
-            self._replayed.set_result(self.scene.poses().tolist())
+    # ---- in the thread that makes the steps
 
-    # ---- time
-
-    def _run(self) -> None:
-        while self._wait_for_step():
-            self._step()
-
-    def _wait_for_step(self) -> bool:
-        """Take messages and make frames until a step is due; return whether the session goes on."""
-        while not self._ended.is_set():
+    def _run(self, steps: float = math.inf) -> None:
+        """Take messages, and make frames, and so many steps when they are due."""
+        while steps > 0 and not self._ended.is_set():
             with self.held:
-                while self._queue:
-                    self._queue.popleft()()
-                with self._watched():
-                    self._build_wanted()
+                with self._sharing:
+                    actions, self._queue = self._queue, {}
+                for action in actions.values():
+                    action()
                 now = perf_counter()
-                if not self.running:
-                    self._due = now
-                    self._pace.clear()
-                self._due = max(self._due, now - _LARGEST_DEBT)
+                self._due = max(self._due, now - _LARGEST_DEBT) if self.running else now
                 is_due = self._single_steps > 0 or (self.running and now >= self._due)
-                self._refresh(now, is_due)
+                # Steps that are due come before frames, for a while.
+                if self.clients and now >= (self._shown + _FRAME_TIME if is_due else self._frame_due):
+                    self._show(now)
                 if is_due:
-                    return True
-            sleep(_TICK)
-        return False
+                    self._step()
+                    steps -= 1
+            if not is_due:
+                sleep(_TICK)
 
     def _step(self) -> None:
-        """Make one step."""
         scene, begin = self.scene, perf_counter()
         self._single_steps = max(self._single_steps - 1, 0)
-        with self.held, self._watched():
-            scene.advance()
+        with self._watched():
+            if self._replay is None:
+                scene.advance()
+            else:
+                next(self._replay, None)
             self._step_seconds = perf_counter() - begin
-            self._tell_events()
+            self._tell_events(begin)
             # A recorded session went on after a stop.
-            if scene.stops and not self.replaying:
+            if scene.stops and self._replay is None:
                 self._pause()
             scene.stops = False
-            self._go_on_with_replay()
         self._due += scene.step_length / self.speed
 
     def _pause(self) -> None:
         self.running, self._single_steps = False, 0
-        self._changed = True
 
     @contextmanager
-    def _watched(self, answer: Callable[[str], None] | None = None) -> Iterator[None]:
+    def _watched(self, answer: Callable[[Any], object] | None = None) -> Iterator[None]:
         """Context in which an exception of the user's functions pauses the session, and is shown.
 
         An error of this package's is the answer to a message, if there is one.
@@ -246,12 +244,12 @@ class Session:
             with callbacks_raise():
                 yield
         except Exception as error:
+            failure = _described(error)
             if answer is not None and isinstance(error, DragonError):
-                answer(str(error))
+                answer(failure)
                 return
             self._pause()
-            failure = described(error)
-            if self.replaying:
+            if self._replay is not None:
                 self._replay = None
                 self._replayed.set_exception(DragonError(f"the replay ends at step {self.scene.steps}: {error}"))
             # Not again in each frame of a session that is paused by it.
@@ -259,118 +257,89 @@ class Session:
                 self._failure = [failure]
                 self.tell(failure)
 
-    # ---- what clients get
-
-    def _refresh(self, now: float, step_is_due: bool) -> None:
-        """Send the state if it changed, and a frame if one is due; steps that are due come first, for a while."""
-        if self._changed:
-            self._changed = False
-            self.tell(self.state())
-        if self.clients and now >= self._frame_due and not (step_is_due and now < self._shown + _FRAME_TIME):
-            # At even intervals, but none is made up for.
-            self._frame_due = max(self._frame_due + _FRAME_TIME, now)
-            with self._watched():
-                frame = self.scene.frame(self._header(now))
-                for client in self.clients:
-                    client.show(frame)
-            self._shown = perf_counter()
-
-    def _header(self, now: float) -> dict[str, Any]:
-        """Return the session's part of a frame: the rate of the last second, times, and values for the charts."""
+    def _show(self, now: float) -> None:
+        """Send clients the state if it changed, and a frame with the rate of the last second and values for charts."""
+        # At even intervals, but none is made up for.
+        self._frame_due = max(self._frame_due + _FRAME_TIME, now)
+        if (state := self.state()) != self._told:
+            self._told = state
+            self.tell(state)
+        if not self.running:
+            self._pace.clear()
         self._pace.append((now, self.scene.time))
         while now - self._pace[0][0] > _RATE_TIME:
             self._pace.popleft()
-        passed = now - self._pace[0][0]
+        passed, simulated = now - self._pace[0][0], self.scene.time - self._pace[0][1]
         # Not of the first moments after a pause.
-        rate = (self.scene.time - self._pace[0][1]) / passed if passed >= _RATE_TIME / 2 else None
+        rate = simulated / passed if passed >= _RATE_TIME / 2 else None
         header: dict[str, Any] = {"generation": self.generation, "rate": rate, "step_time": self._step_seconds}
-        if self.running and now >= self._plotted + _PLOT_TIME:
-            self._plotted = now
-            header["plots"] = list(self.scene.plots().values())
-        return header
+        with self._watched():
+            if self.running and now >= self._plotted + _PLOT_TIME:
+                self._plotted = now
+                header["plots"] = list(self.scene.plots().values())
+            frame = self.scene.frame(header)
+            for client in self.clients:
+                client.show(frame)
+        self._shown = perf_counter()
 
-    def _tell_events(self) -> None:
+    def _tell_events(self, now: float) -> None:
         """Tell what happened, but not more than clients can show; the rest is counted."""
-        now, texts = perf_counter(), list(self.scene.events)
-        self.scene.events.clear()
+        texts = self.scene.events
         if now - self._second >= 1:
             if (i := self._events - _MAX_EVENTS) > 0:
                 texts.insert(0, f"{i} further events in a second")
             self._second, self._events = now, 0
-        for text in texts[: max(_MAX_EVENTS - self._events, 0)]:
-            self.tell({"kind": "event", "time": self.scene.time, "text": text})
-        self._events += len(texts)
+        for text in texts:
+            self._events += 1
+            if self._events <= _MAX_EVENTS:
+                self.tell({"kind": "event", "time": self.scene.time, "text": text})
+        texts.clear()
 
     def _describe(self) -> None:
-        source, choices = self.source, {self._own.name: self._own} | SCENES
-        own = {name: getattr(source, name) for name in ("name", "title", "text", "lesson")}
-        scenes = [{"name": name, "title": each.title} for name, each in choices.items()]
+        """Tell clients of the scene, also those that come later."""
+        about = {name: getattr(self.source, name) for name in ("name", "title", "text", "lesson")}
+        scenes = [{"name": each.name, "title": each.title} for each in ({self._own.name: self._own} | SCENES).values()]
         session = {"kind": "scene", "role": "control", "generation": self.generation, "scenes": scenes}
-        self._description = without_nan({**session, **own, **self.scene.to_dict()})
+        self._description = without_nan(session | about | self.scene.to_dict())
+        self.tell(self._description)
 
-    # ---- messages
-
-    def _take(self, message: dict[str, Any], answer: Callable[[str], None]) -> None:
-        """Carry out a message, or note the wish for a new scene: wishes that wait together are carried out as one."""
+    def _take(self, message: dict[str, Any], answer: Callable[[Any], object]) -> None:
         with self._watched(answer):
-            action = message["do"]
-            # The place of the hand is in each frame.
-            self._changed |= action != "drag"
-            if action in ("scene", "reset") and self.scene.play.step is None:
-                raise ParameterError("message", action, "another one: this program builds its space itself")
-            if action == "scene":
-                name = message["name"]
-                self._wanted = (self._own if name == self._own.name else ready(name)), {}
-                self.running = True
-            elif action == "reset":
-                self._wanted = self._wanted or (self.source, self.values)
-            elif action != "set" or self.replaying or not self._wishes_value(message):
-                self._build_wanted()
-                self._act(action, message)
-
-    def _wishes_value(self, message: dict[str, Any]) -> bool:
-        """Note the wish for a scene with another value of a slider, if the slider rebuilds."""
-        if self._wanted is not None and self._wanted[0] is not self.source:
-            # It has other sliders.
-            self._build_wanted()
-        slider = self._slider(message["name"])
-        if slider.rebuilds:
-            values = self.scene.values if self._wanted is None else self._wanted[1]
-            self._wanted = self.source, {**values, slider.name: slider.checked(message["value"])}
-        return slider.rebuilds
-
-    def _act(self, action: str, message: dict[str, Any]) -> None:
-        """Carry out a message that needs no new scene."""
-        if action in INPUTS:
-            if self.replaying or len(self.inputs) >= MAX_INPUTS:
-                bound = f"sent after a replay, and one of at most {MAX_INPUTS} inputs until a reset"
-                raise ParameterError("message", action, bound)
-            self._apply(message)
-        elif action == "play":
-            self.running, self._failure = True, []
-        elif action == "pause":
-            self._pause()
-        elif action == "step":
-            count = whole("count", message["count"], 1, _MAX_COUNT)
-            self._pause()
-            self._single_steps, self._failure = count, []
-        elif action == "speed":
-            self.speed = finite("speed", message["value"], *SPEEDS, "times")
-            self._pace.clear()
-        elif action == "until_contact":
-            self.running = self.scene.waits_for_contact = True
+            if message["do"] in INPUTS and (self._replay is not None or len(self.inputs) >= MAX_INPUTS):
+                raise ParameterError("message", message["do"], f"sent after a replay, and one of {MAX_INPUTS} inputs")
+            if message["do"] in ("scene", "reset") and self.scene.play.step is None:
+                raise ParameterError("message", message["do"], "another one: this program builds its space itself")
+            match message:
+                case {"do": "play"}:
+                    self.running, self._failure = True, []
+                case {"do": "pause"}:
+                    self._pause()
+                case {"do": "step", "count": count}:
+                    self.running, self._single_steps = False, whole("count", count, 1, _MAX_COUNT)
+                    self._failure = []
+                case {"do": "until_contact"}:
+                    self.running = self.scene.waits_for_contact = True
+                case {"do": "speed", "value": value}:
+                    self.speed = finite("speed", value, *_SPEEDS, "times")
+                    self._pace.clear()
+                case {"do": "scene", "name": name}:
+                    self._build(self._own if name == self._own.name else ready(name), {})
+                    self.running = True
+                case {"do": "reset"}:
+                    self._build(self.source, self.values)
+                case {"do": "set", "name": name, "value": value} if self._slider(name).rebuilds:
+                    self._build(self.source, {**self.scene.values, name: self._slider(name).checked(value)})
+                case _:
+                    self._apply(message)
 
     def _apply(self, message: dict[str, Any]) -> None:
-        """Change the scene, and log the input."""
+        """Change the scene, and record the input."""
         arguments = {name: value for name, value in message.items() if name != "do"}
         action = getattr(self.scene, message["do"], None)
         if action is None:
             raise ParameterError("message", message["do"], "an action that this scene has")
         if message["do"] == "set":
-            slider = self._slider(message["name"])
-            if slider.rebuilds:
-                raise ParameterError("name", slider.name, "a slider with which the scene does not begin anew")
-            arguments["value"] = slider.checked(message["value"])
+            arguments["value"] = self._slider(message["name"]).checked(message["value"])
         action(**arguments)
         # As JSON, which takes less memory.
         self.inputs.append(json.dumps([self.scene.steps, message]))
@@ -379,25 +348,19 @@ class Session:
         known = self.scene.parameters
         return known[word("name", name, list(known))]
 
-    # ---- scenes
-
-    def _build_wanted(self) -> None:
-        if self._wanted is not None:
-            (source, values), self._wanted = self._wanted, None
-            self.tell({"kind": "building"})
-            try:
-                self._build(source, values)
-            finally:
-                self.tell(self._description)
-                self._changed = True
-
     def _build(self, source: Ready, values: Mapping[str, float]) -> None:
         """Begin anew; the old scene stays if the new one cannot be built."""
-        scene = source.build(values)
+        self.tell({"kind": "building"})
+        self._told = None
+        try:
+            scene = source.build(values)
+        except Exception:
+            self.tell(self._description)
+            raise
         self.source, self.scene, self.values = source, scene, dict(values)
-        self.generation += 1
         self.inputs: list[str] = []
-        if self.replaying:
+        self.generation += 1
+        if self._replay is not None:
             self._replay = None
             self._replayed.set_result(None)
         self._single_steps, self._failure = 0, []
@@ -405,4 +368,30 @@ class Session:
         self._due = perf_counter()
         self._pace.clear()
         self._describe()
-        self._changed = True
+
+
+def _described(error: Exception) -> dict[str, Any]:
+    """Return an exception as a message: of one in the user's functions also the end of the traceback, and the line."""
+    if isinstance(error, DragonError):
+        return {"kind": "error", "text": str(error)}
+    frames = traceback.extract_tb(error.__traceback__)
+    own = [frame for frame in frames if not frame.filename.startswith(_LIBRARIES)] or frames
+    lines = "".join(traceback.format_list(own)).splitlines()
+    place = f"{Path(own[-1].filename).name}, line {own[-1].lineno}: {own[-1].line}"
+    text = f"{type(error).__name__}: {error}"
+    return {"kind": "error", "text": text, "place": place, "trace": "\n".join(lines[-_TRACE_LINES:])}
+
+
+def checked(found: Any, actions: Mapping[str, Mapping[str, type]]) -> dict[str, Any]:
+    """Return a message that was read, if it has one of these actions, all its arguments, and nothing else."""
+    kinds = actions.get(str(found.get("do"))) if isinstance(found, dict) else None
+    if kinds is None or found.keys() != {"do", *kinds}:
+        raise ParameterError("message", found, "an action with its arguments: do is one of " + ", ".join(actions))
+    message = {"do": found["do"]}
+    for name, kind in kinds.items():
+        # Values of sliders have bounds of their own.
+        value, most = found[name], math.inf if name == "value" else MAX_COORDINATE
+        message[name] = finite(name, value, -most, most, "") if kind is float else value
+        if type(message[name]) is not kind:
+            raise ParameterError(name, value, f"a value of the type {kind.__name__}")
+    return message

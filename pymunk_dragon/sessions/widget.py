@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from threading import RLock
 from time import perf_counter
 from typing import Any
 
@@ -12,9 +11,9 @@ from IPython.display import display
 from traitlets import Unicode
 
 from pymunk_dragon._language import language
+from pymunk_dragon.drawing.debug_draw import still
 from pymunk_dragon.reports._html import asset, data_address
 from pymunk_dragon.sessions.page import live_page
-from pymunk_dragon.sessions.recording import still
 from pymunk_dragon.sessions.session import Session
 
 # Frames on the way to the page, at most; the page tells of every third that it has drawn it.
@@ -37,15 +36,16 @@ class LiveWidget(AnyWidget):
         page, _ = live_page(session.source.title, language())
         super().__init__(page=page)
         self.still = f"live-{self.model_id}"
-        self._session, self._lock = session, RLock()
+        self._session, self._heard = session, 0.0
         self._sent = self._drawn = 0
-        self._heard = 0.0
         self.on_msg(self._receive)
 
     def shown(self) -> Any:
         """Display a picture of the present state, which remains in the notebook, and return the page as a bundle."""
-        address = data_address(still(self._session), "image/png")
-        picture = f'<img class="{self.still}" alt="A live session" src="{address}">'
+        scene = self._session.scene
+        with self._session.held:
+            content = still(scene.space, scene.field, y_down=scene.play.y_down, flags=scene.drawn)
+        picture = f'<img class="{self.still}" alt="A live session" src="{data_address(content, "image/png")}">'
         # In an output of its own: JupyterLab shows no other part of one whose widget is gone.
         display({"text/html": picture, "text/plain": self._session.source.title}, raw=True)
         return self._repr_mimebundle_()
@@ -62,22 +62,20 @@ class LiveWidget(AnyWidget):
 
     def show(self, frame: bytes) -> None:
         """Send a frame, unless the page has to draw those before it."""
-        with self._lock:
-            if perf_counter() - self._heard > SILENCE:
-                self._session.leave(self)
-            elif self._sent - self._drawn < MOST_FRAMES:
-                self._sent += 1
-                self.send({"frame": self._sent}, [frame])
+        if perf_counter() - self._heard > SILENCE:
+            self._session.leave(self)
+        elif self._sent - self._drawn < MOST_FRAMES:
+            self._sent += 1
+            self.send({"frame": self._sent}, [frame])
 
     def _receive(self, widget: object, content: object, buffers: object) -> None:
-        with self._lock:
-            self._heard = perf_counter()
-            if content == 0 or self not in self._session.clients:
-                # A page that begins anew has none of the frames that were sent before, and holds no body.
-                self._session.leave(self)
-                self._drawn = self._sent
-                self._session.join(self)
-            if isinstance(content, str):
-                self._session.receive(self, content)
-            elif isinstance(content, int):
-                self._drawn = max(self._drawn, content)
+        self._heard = perf_counter()
+        if content == 0 or self not in self._session.clients:
+            # A page that begins anew has none of the frames that were sent before, and holds no body.
+            self._session.leave(self)
+            self._drawn = self._sent
+            self._session.join(self)
+        if isinstance(content, str):
+            self._session.receive(self, content)
+        elif isinstance(content, int):
+            self._drawn = max(self._drawn, content)

@@ -113,7 +113,7 @@ def plain_recursion(times: Array) -> tuple[Array, Array]:
     return (k * angles * np.exp(1j * angles)).T, speeds.T
 
 
-def marches() -> None:
+def march() -> None:
     """Processor time of positions and velocities of 301 times x 224 handles (`model`); plain recursion has speeds."""
     times, march = np.linspace(0.0, 300.0, sized(301, 3)), March()
     works = {"plain recursion with NumPy": lambda: plain_recursion(times)}
@@ -254,7 +254,7 @@ def matplotlib_animation(run: Run, film: Film, path: Path) -> None:
     FuncAnimation(figure, draw, frames=len(times)).save(str(path), writer=PillowWriter(fps=FPS))
 
 
-def films() -> None:
+def film() -> None:
     """GIF of 300 frames of 640 x 640 pixels (`drawing`)."""
     count, start, step = sized(300, 4), 100.0, 0.5
     times = start + step * np.arange(count)
@@ -328,20 +328,9 @@ def sweep_map() -> None:
     print(f"{found.points} points: {found.seconds / 60:.1f} minutes, {found.failed} failed")
 
 
-BENCHMARKS = {
-    "answers": answers,
-    "march": marches,
-    "contact": contact,
-    "time-of-impact": time_of_impact,
-    "engine": engine,
-    "drift": drift,
-    "pile-up": pile_up,
-    "film": films,
-    "debug-draw": debug_draw,
-    "sweep-overhead": sweep_overhead,
-    "sweep-efficiency": sweep_efficiency,
-    "sweep-map": sweep_map,
-}
+OF_MOTION = (answers, march, contact, time_of_impact, engine, drift, pile_up)
+OF_PICTURES_AND_SWEEPS = (film, debug_draw, sweep_overhead, sweep_efficiency, sweep_map)
+BENCHMARKS = {each.__name__.replace("_", "-"): each for each in (*OF_MOTION, *OF_PICTURES_AND_SWEEPS)}
 
 if __name__ == "__main__":
     run(BENCHMARKS)

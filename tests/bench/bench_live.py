@@ -6,9 +6,7 @@
 from __future__ import annotations
 
 import asyncio
-import json
 import re
-import struct
 import subprocess
 import sys
 import time
@@ -21,12 +19,12 @@ from typing import Any
 import numpy as np
 import psutil
 import pymunk
-from aiohttp import ClientSession, ClientWebSocketResponse
 from measure import run, sized, spread
 from playwright.sync_api import Page
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from browser import chromium, opened, wait_until
+from live_sessions import Client, joined
 
 from pymunk_dragon.sessions import Slider, live
 from pymunk_dragon.sessions.ready import _boxes
@@ -60,45 +58,42 @@ WATCH = """() => {
 
 @contextmanager
 def program() -> Iterator[tuple[psutil.Process, str]]:
-    """The program, and the address of its socket."""
+    """The program, and the address of its page."""
     command = [sys.executable, "-m", "pymunk_dragon", "live", "--no-browser"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as process:
         assert process.stdout is not None
         found = re.search(r"http\S+", process.stdout.readline())
         assert found is not None
         try:
-            yield psutil.Process(process.pid), found[0].replace("/?", "/socket?")
+            yield psutil.Process(process.pid), found[0]
         finally:
             process.terminate()
 
 
 async def watch(address: str, seconds: float, acts: bool = False) -> list[float]:
     """Simulated times of the frames that a client gets in so many s, or of the first one."""
-    times, begin = [], time.perf_counter()
-    async with ClientSession() as web, web.ws_connect(address, max_msg_size=0) as socket:
-        acting = asyncio.create_task(act(socket)) if acts else None
-        async for message in socket:
-            if isinstance(message.data, bytes):
-                [length] = struct.unpack_from("<I", message.data)
-                times.append(json.loads(message.data[4 : 4 + length])["time"])
-                if time.perf_counter() - begin > seconds:
-                    break
+    times: list[float] = []
+    begin = time.perf_counter()
+    async with joined(address) as client:
+        acting = asyncio.create_task(act(client)) if acts else None
+        while not times or time.perf_counter() - begin <= seconds:
+            times.append((await client.shown()).time)
         if acting is not None:
             acting.cancel()
     return times
 
 
-async def act(socket: ClientWebSocketResponse) -> None:
+async def act(client: Client) -> None:
     """Put obstacles, drag all the time, and reset again and again."""
     for k in range(OBSTACLES):
-        await socket.send_json({"do": "obstacle", "shape": "round", "x": 2.0 * k, "y": -20.0, "size": 0.5})
+        await client.send("obstacle", shape="round", x=2.0 * k, y=-20.0, size=0.5)
     for _ in range(RESETS):
-        await socket.send_json({"do": "grab", "x": 0.0, "y": 0.0, "slip": 1000.0})
+        await client.send("grab", x=0.0, y=0.0, slip=1000.0)
         end = time.perf_counter() + SECONDS / (RESETS + 1)
         while time.perf_counter() < end:
-            await socket.send_json({"do": "drag", "x": time.perf_counter() % 3, "y": time.perf_counter() % 2})
+            await client.send("drag", x=time.perf_counter() % 3, y=time.perf_counter() % 2)
             await asyncio.sleep(1 / 60)
-        await socket.send_json({"do": "reset"})
+        await client.send("reset")
 
 
 def start() -> None:

@@ -17,8 +17,6 @@ from browser import chromium, opened
 from pymunk_dragon._language import font, in_language
 
 WIDTH, HEIGHT = 1200, 750
-# Pixels above a lesson.
-MARGIN = 16
 
 if __name__ == "__main__":
     page_file, shown, picture, *sliders = sys.argv[1:]
@@ -37,5 +35,5 @@ if __name__ == "__main__":
                 page.get_by_label(name, exact=True).blur()
             page.wait_for_timeout(500)
             if height := page.evaluate("document.querySelector('section:target')?.getBoundingClientRect().height"):
-                page.set_viewport_size({"width": WIDTH, "height": round(height) + MARGIN})
+                page.set_viewport_size({"width": WIDTH, "height": round(height) + 16})  # A lesson has a margin.
             page.screenshot(path=picture)

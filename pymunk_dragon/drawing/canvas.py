@@ -1,0 +1,50 @@
+"""Frames that the canvas of a page draws: Pymunk's draw calls as numbers, and other arrays, after a JSON header."""
+
+from __future__ import annotations
+
+import json
+import math
+import struct
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from pymunk_dragon._arguments import Array
+from pymunk_dragon.drawing.debug_draw import DrawCall
+
+# Numbers of the kinds of calls; contacts are sent apart.
+_KINDS = {"circle": 0, "segment": 1, "polygon": 2, "line": 3, "dot": 4}
+
+
+def packed(calls: Sequence[DrawCall]) -> tuple[Array, list[list[float]]]:
+    """Return calls as numbers, and their colours: kind, points, radius, angle, fill, outline, moves, and the points."""
+    colours: dict[Any, int] = {}
+    numbers: list[float] = []
+    for call in calls:
+        fill = colours.setdefault(call.fill, len(colours))
+        outline = -1 if call.outline is None else colours.setdefault(call.outline, len(colours))
+        numbers += [_KINDS[call.name], len(call.points), call.radius, call.angle, fill, outline, call.moves]
+        for point in call.points:
+            numbers.extend(point)
+    return np.array(numbers, dtype=float), [[*map(float, colour)] for colour in colours]
+
+
+def in_binary(header: Mapping[str, Any], arrays: Mapping[str, Array]) -> bytes:
+    """Return a frame: a JSON header with sizes, preceded by its length, and arrays of 32-bit numbers."""
+    sizes = {name: array.size for name, array in arrays.items()}
+    text = json.dumps(without_nan({**header, "sizes": sizes}), allow_nan=False).encode()
+    # The arrays begin at a multiple of four bytes.
+    text += b" " * (-len(text) % 4)
+    with np.errstate(over="ignore"):
+        numbers = [array.astype("<f4").tobytes() for array in arrays.values()]
+    return b"".join([struct.pack("<I", len(text)), text, *numbers])
+
+
+def without_nan(value: Any) -> Any:
+    """Return JSON values with None in place of numbers that JSON does not have."""
+    if isinstance(value, Mapping):
+        return {name: without_nan(each) for name, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [without_nan(each) for each in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
