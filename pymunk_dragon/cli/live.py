@@ -38,7 +38,7 @@ def live(scene: str | None, start: float, replay: str | None, ends: bool, output
         library("aiohttp")
     path = common.destination_of(output, RECORDING_ENDINGS)
     log = None if replay is None else Log.load(replay)
-    session = Session(_source(scene, log) or dragon(common.march(), start=start))
+    session = Session(_source(scene or ("" if own else "dragon"), log) or dragon(common.march(), start=start))
     if log is not None:
         session.play_again(log)
     if ends:
@@ -49,10 +49,10 @@ def live(scene: str | None, start: float, replay: str | None, ends: bool, output
         serve(session, log, path, **address)
 
 
-def _source(scene: str | None, log: Log | None) -> Ready | None:
+def _source(scene: str, log: Log | None) -> Ready | None:
     """A ready scene, or that of a recording."""
     if log is None:
-        return None if scene is None else ready(scene)
+        return ready(scene) if scene else None
     if log.plan is None:
         raise ParameterError("replay", "a recording of a space or a curve of your own", "one of a scene that is known")
     return planned(log.plan)
