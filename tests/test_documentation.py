@@ -26,15 +26,24 @@ from pymunk_dragon.lessons import LESSONS
 RENDERS = ROOT / "renders"
 
 
-def commands():
-    """The arguments that the Makefile passes, without making anything."""
+def made(target, text):
+    """The words of the command with a text that makes a target as in a new clone, without making anything."""
     # The tests may have been started by make, whose options are not for this one.
     alone = {name: value for name, value in os.environ.items() if not name.startswith(("MAKE", "MFLAGS"))}
-    shown = subprocess.run(
-        ["make", "--dry-run", "docs"], cwd=ROOT, env=alone, capture_output=True, text=True, check=True, timeout=60
-    ).stdout
-    [line] = [line for line in shown.splitlines() if "renders/documentation.py renders/docs" in line]
-    return dict(argument.split("=", 1) for argument in shlex.split(line)[3:])
+    command = ["make", "--dry-run", "--always-make", target]
+    shown = subprocess.run(command, cwd=ROOT, env=alone, capture_output=True, text=True, check=True, timeout=60).stdout
+    [line] = [line for line in shown.splitlines() if text in line]
+    return shlex.split(line)
+
+
+def commands():
+    """The arguments that the Makefile passes."""
+    return dict(argument.split("=", 1) for argument in made("docs", "renders/documentation.py renders/docs")[3:])
+
+
+def test_run_of_a_figure_is_not_written_as_pictures():
+    assert made("renders/figures/drift.png", "gallery.py renders/march.npz")[3] == ".npz"
+    assert made("renders/figures/drift.png", "gallery.py renders/figures/drift.png")[3] == ".png,.svg"
 
 
 @pytest.fixture(scope="module")
