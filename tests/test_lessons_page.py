@@ -16,7 +16,7 @@ from pymunk_dragon.lessons._framework.lesson import blocks
 from pymunk_dragon.lessons._framework.notebook import make_notebook
 from pymunk_dragon.lessons._framework.page import make_page
 from pymunk_dragon.sessions.handle import Live
-from pymunk_dragon.sessions.ready import ready
+from pymunk_dragon.sessions.ready import add, ready
 from pymunk_dragon.sessions.session import Session
 
 ALL = list(LESSONS.values())
@@ -45,8 +45,7 @@ def seen(browser, address):
 
 def longest(text):
     """The longest part of a text without a formula or bold letters, without spaces."""
-    parts = ["".join(part.split()) for part in re.split(r"\$[^$]*\$|\*\*", text.replace("`", ""))]
-    return max(parts, key=len)
+    return max(("".join(part.split()) for part in re.split(r"\$[^$]*\$|\*\*", text.replace("`", ""))), key=len)
 
 
 def texts(lesson, section, language):
@@ -202,7 +201,7 @@ def test_programs_and_notebooks_can_be_taken_from_the_page(seen):
 def test_sheets_for_the_class_have_no_answers_and_those_for_the_teacher_do(seen):
     # What would be on paper when a button prints; a hidden button is clicked by the page itself.
     seen.page.evaluate("window.print = () => { window.paper = document.body.innerText; }")
-    for language, kind, one in (("en", "class", True), ("en", "teacher", False), ("zh", "class", False)):
+    for language, kind, one in (("zh", "class", False), ("en", "teacher", False), ("en", "class", True)):
         seen.page.click(f".languages button[value={language}]")
         seen.page.emulate_media(media="print")
         seen.page.evaluate(f"document.querySelector('{'#grid' if one else 'header'} .sheets [value={kind}]').click()")
@@ -215,13 +214,18 @@ def test_sheets_for_the_class_have_no_answers_and_those_for_the_teacher_do(seen)
                     assert (text in paper) == (printed and mine), (lesson.name, section)
         assert "importnumpy" not in paper
         seen.page.emulate_media(media="screen")
-        assert seen.page.locator("header").is_visible()
+    seen.page.emulate_media(media="print")
+    seen.page.evaluate("document.documentElement.dataset.print = 'class'")
+    for size in ("A4", "Letter"):
+        assert len(re.findall(rb"/Type /Page\b", seen.page.pdf(format=size))) == len(ALL), "a sheet is two pages long"
 
 
 @pytest.mark.thorough
 @needs_browser
 def test_experiments_with_pymunk_are_live_on_a_live_server(browser):
     page = make_page([played("callbacks"), played("tension")], live=True)
+    for name in ("callbacks", "tension"):
+        add(**LESSONS[name].scene())
     session = Session(ready("unguided"))
     with (
         Live(session, host="127.0.0.1", port=0, front=page) as running,
@@ -232,7 +236,6 @@ def test_experiments_with_pymunk_are_live_on_a_live_server(browser):
             live = seen.page.wait_for_selector(f"#{name} iframe").content_frame()
             wait_until(live, f"globalThis.live?.frame?.step > 0 && live.scene.name === {name!r}")
             assert live.evaluate("document.documentElement.lang") == "zh"
-            # The page of the lesson has the other experiments closed.
             assert seen.page.locator("iframe").count() == 1
         seen.page.click(".languages button[value=en]")
         wait_until(live, "document.documentElement.lang === 'en'")

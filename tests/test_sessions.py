@@ -28,12 +28,13 @@ from conftest import assert_says, linux_only
 from live_sessions import PATIENCE, greeting, joined, played, replay_session, replayed, served
 
 from pymunk_dragon.errors import DragonError, MissingExtraError, ParameterError
+from pymunk_dragon.lessons import LESSONS
 from pymunk_dragon.model.curves import Line
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.sessions import live
-from pymunk_dragon.sessions.ready import dragon, ready
+from pymunk_dragon.sessions.ready import add, dragon, ready
 from pymunk_dragon.sessions.recording import Log, record
 from pymunk_dragon.sessions.session import ACTIONS
 
@@ -64,7 +65,7 @@ def touch(on, steps):
         "drop": [{}],
         "set": [{"name": "iterations", "value": 17.0}, {"name": "step", "value": 6.3}],
     }
-    if "dancers" in on.scene.abilities:
+    if on.scene.state()["contacts"]:
         actions["set"] += [{"name": "drag", "value": 4.4}, {"name": "speed", "value": 1.3}]
         actions |= {"release": [{"bench": 8}], "contacts": [{"value": "report"}, {"value": "resolve"}], "hold": [{}]}
     else:
@@ -180,13 +181,16 @@ def test_dragon_keeps_to_the_exact_model_and_without_dancers_bench_1_meets_bench
 
 
 def test_scenes_of_lessons_tell_the_calls_of_a_contact_and_the_force_that_drags_at_a_chain():
+    for name in ("callbacks", "tension"):
+        add(**LESSONS[name].scene())
     with played("callbacks") as on:
         on.run(2.0)
-        calls = [event.split(",")[0] for event in on.events]
-        assert calls[:3] == ["begin", "pre_solve", "post_solve"]
+        assert [event.split("   ")[1] for event in on.events] == ["begin", *3 * ["pre_solve", "post_solve"], "separate"]
+        assert on.events[2].startswith("impulse 3.29 N s")
     with played("tension") as on:
-        on.run(2.0)
-        assert on.scene.plots()["Force in the first joint (N)"] == pytest.approx(12 * 10 * np.log(2))
+        on.do("set", name="dancers", value=12)
+        on.run(10.0)
+        assert on.scene.plots()["Force in the first joint (N)"] == pytest.approx(12 * 10 * (1 - 0.5**0.01) / 0.01)
 
 
 def test_dragon_keeps_its_place_where_the_time_step_changes():

@@ -274,10 +274,10 @@ def test_page_is_chinese_if_the_program_or_the_address_is(browser, program, link
         assert page.evaluate("document.documentElement.lang") == "zh"
         # Words of the commands of lessons, and titles without a translation.
         titles = " ".join(scene.title for scene in SCENES.values() if scene.title not in texts("zh"))
-        allowed = {"CSV", "pymunk", "dragon", "demo", "callbacks", "tension", "lang", *titles.split()}
+        allowed = {"CSV", "pymunk", "dragon", "demo", "live", "callbacks", "tension", "lang", *titles.split()}
         assert english_words(page) <= allowed
-        page.select_option("#scene", "pendulum")
-        wait_until(page, "live.scene.name === 'pendulum' && live.frame?.generation === live.scene.generation")
+        page.select_option("#scene", "tension")
+        wait_until(page, "live.scene.name === 'tension' && live.frame?.generation === live.scene.generation")
         wait_simulated(page, 0.3)
         assert english_words(page) <= allowed
 

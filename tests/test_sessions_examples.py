@@ -203,10 +203,8 @@ def test_example_of_pymunk_plays_with_keys_and_mouse_after_five_changed_lines_at
     try:
         with pytest.raises(ReachedStepError):
             exec(compile(source, name, "exec"), {"__name__": "__main__", "__file__": str(EXAMPLES / f"{name}.py")})
-        [live] = sessions_open
-        scene = live._session.scene
-        calls, _ = assert_drawn_alike(scene, name)
-        assert calls == len(scene.calls())
+        scene = sessions_open[0]._session.scene
+        assert_drawn_alike(scene, name)
         kinds = {event.type for event in seen}
         assert {pygame.KEYDOWN, pygame.MOUSEBUTTONDOWN, pygame.MOUSEBUTTONUP, pygame.MOUSEMOTION} <= kinds
         [down] = [event for event in seen if event.type == pygame.MOUSEBUTTONDOWN]

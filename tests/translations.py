@@ -76,6 +76,7 @@ wanted = set().union(*(strings(call.args[0]) for call in calls if getattr(call.f
 wanted = wanted.union(*(re.findall(r'\b(?:text|name|words)\("([^"]+)"\)', source) for source in sources(".j2")))
 wanted = wanted.union(*map(script_texts, sources(".js")))
 wanted = wanted.union(*(html_texts(page) for page in sources(".html") if "<body" in page))
+wanted |= {lesson.texts["Title"] for lesson in LESSONS.values() if lesson.builds}
 wanted |= {words for scene in SCENES.values() for words in (scene.title, scene.text)}
 wanted |= {known.summary for known in (*STUDIES.values(), *QUANTITIES.values())}
 wanted |= {kind.shows for kind in FIGURES.values()}

@@ -29,11 +29,9 @@ def demo(name: str | None, save: str | None, output: str | None, live: bool, **a
     lessons = list(LESSONS.values()) if name is None else [LESSONS[name]]
     if save is not None and (name is None or output is not None or live or common.wants_json()):
         raise click.UsageError("--save is for a lesson that is played: give its name, and no -o, --live or --json")
-    if common.flags_given(*address) and not live:
-        raise click.UsageError("the options of a server need --live")
+    if (live and output is not None) or (common.flags_given(*address) and not live):
+        raise click.UsageError("--live needs no -o, and the options of a server need --live")
     if live:
-        if output is not None:
-            raise click.UsageError("--live shows the lessons: leave out -o")
         _serve(lessons, address)
     elif output is not None:
         destination = check_destination(output, endings(lessons))
@@ -52,10 +50,12 @@ def _serve(lessons: list[Lesson], address: dict[str, Any]) -> None:
     """Run the lessons, and show their page on a live server until it is stopped."""
     library("aiohttp")
     from pymunk_dragon.cli.live import serve
-    from pymunk_dragon.sessions.ready import ready
+    from pymunk_dragon.sessions.ready import add, ready
     from pymunk_dragon.sessions.session import Session
 
     with common.progress("demo") as show:
         page = run_page(lessons, language(), show, live=True)
+    for each in [each for each in lessons if each.builds]:
+        add(**each.scene())
     session = Session(ready(next((each.options["scene"] for each in lessons if "scene" in each.options), "dragon")))
     serve(session, None, None, front=page, **address)

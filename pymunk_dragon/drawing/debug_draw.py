@@ -75,6 +75,8 @@ _EDGE_INSET = 0.4
 _MAX_REACH = 1e9
 # Pixels.
 _STILL_SIZE = 640, 480
+# Least width and height of the area of a space.
+_SMALLEST = 1e-3
 
 
 @dataclass(slots=True)
@@ -233,6 +235,13 @@ def extent(space: pymunk.Space) -> pymunk.BB:
     reaches = [(point, call.radius if call.outline else 0) for call in recorder.calls for point in call.points]
     boxes = [pymunk.BB.newForCircle(*reach) for reach in reaches if all(map(math.isfinite, (*reach[0], reach[1])))]
     return reduce(pymunk.BB.merge, boxes, pymunk.BB(math.inf, math.inf, -math.inf, -math.inf))
+
+
+def area(space: pymunk.Space) -> tuple[float, float, float, float]:
+    """Return centre, width and height of what is drawn of a space; one that is empty has an area too."""
+    box = extent(space)
+    box = box if box.left <= box.right else pymunk.BB(-1, -1, 1, 1)
+    return *box.center(), max(box.right - box.left, _SMALLEST), max(box.top - box.bottom, _SMALLEST)
 
 
 def still(space: pymunk.Space, field: Mapping[str, Sequence[float]], *, y_down: bool, flags: int) -> bytes:

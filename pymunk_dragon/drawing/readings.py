@@ -62,6 +62,13 @@ class Readings:
         return pairs, flags
 
 
+def arbiter_rows(arbiter: pymunk.Arbiter, solved: bool) -> list[tuple[float, ...]]:
+    """The same rows of a pair in a callback, where its impulse is known if it is `solved`."""
+    contact, impulses = arbiter.contact_point_set, (arbiter.total_impulse.length if solved else 0.0, NO_ARROW)
+    points = zip(contact.points, impulses, strict=False)
+    return [(*point.point_a, *contact.normal, impulse) for point, impulse in points]
+
+
 def joint_rows(joints: Sequence[pymunk.Constraint], step: float) -> Array:
     """Rows (J, 5) of the two ends of joints and their forces in a step of so many s."""
     rows = [(*_end(joint, "a"), *_end(joint, "b"), joint.impulse / step) for joint in joints]

@@ -22,9 +22,10 @@ $ pymunk-dragon demo near-miss -o near-miss.ipynb
 
 A lesson is one file in this folder, in the percent format of Jupytext: texts in cells of Markdown with fixed headings,
 and a program that prints and writes a picture `NAME.png` or `NAME.gif`. Its first line has `order`, by which lessons
-are sorted, and may have `scene`, a ready scene of `pymunk-dragon live`, and `axes` for the sheet of the class. In
-"Answer" each question has a list of its choices with what comes of them; the right one is bold. Formulas are LaTeX
-between dollar signs. A stage is a file of JavaScript beside it; Chinese texts, in `zh.toml`, are optional.
+are sorted, and may have `axes` for the sheet of the class and `scene`, a scene of `pymunk-dragon live`; with a `view`,
+the first cell has a function `build` for that scene, which ``live(build, **LIVE)`` plays. In "Answer" each question has
+a list of its choices with what comes of them; the right one is bold. Formulas are LaTeX between dollar signs. A stage
+is a file of JavaScript beside it; Chinese texts, in `zh.toml`, are optional.
 """
 
 from collections.abc import Mapping

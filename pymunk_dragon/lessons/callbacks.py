@@ -1,4 +1,4 @@
-# %% [markdown] order=100 scene="callbacks" axes="step|impulse (N s)"
+# %% [markdown] order=100 scene="callbacks" view=[0,0.3,8,5.5] axes="step|impulse (N s)"
 # # Which events does a contact cause?
 # At a contact Pymunk calls functions of your program. When does it call which, and what does it know by then?
 # ## Guess
@@ -12,36 +12,58 @@ from typing import Any
 import pymunk
 from PIL import Image, ImageDraw
 
-from pymunk_dragon import Dragon, March, PillowDrawOptions, simulate
+from pymunk_dragon import Dragon, March, PillowDrawOptions, Slider, simulate
 
-# One bench flies at another, each of 10 kg; the calls are noted for the film.
-space, calls = pymunk.Space(), list[str]()
-for position, angle, velocity in [((-2.4, 1.7), -0.6, (2.5, -1)), ((0, 0), 0, (0, 0))]:
-    body = pymunk.Body(mass=10, moment=5)
-    body.position, body.angle, body.velocity = position, angle, velocity
-    shape = pymunk.Poly.create_box(body, (2.2, 0.3))
-    shape.elasticity = 0.5
-    space.add(body, shape)
+events: list[str] = []
 
 
-def called(arbiter: pymunk.Arbiter, space: pymunk.Space, name: Any) -> None:
-    """Note which call it is, in which step, and which impulse Pymunk knows of. `begin` fails."""
-    calls.append(f"step {step}   impulse {arbiter.total_impulse.length:.2f} N s   {name}")
+def build(elasticity: float = 0.5, note: Any = events.append) -> pymunk.Space:
+    """Make benches touch, and read below "Events" which callbacks Pymunk calls."""
+    # One bench flies at another, each of 10 kg.
+    space = pymunk.Space()
+    for position, angle, velocity in [((-2.4, 1.7), -0.6, (2.5, -1)), ((0, 0), 0, (0, 0))]:
+        body = pymunk.Body(mass=10, moment=5)
+        body.position, body.angle, body.velocity = position, angle, velocity
+        shape = pymunk.Poly.create_box(body, (2.2, 0.3))
+        shape.elasticity = elasticity
+        space.add(body, shape)
+
+    def called(arbiter: pymunk.Arbiter, space: pymunk.Space, name: Any) -> None:
+        note(f"impulse {arbiter.total_impulse.length:.2f} N s   {name}")
+
+    # One function for all callbacks: Pymunk hands it the `data` that it was given for each, here the name.
+    for name in ("begin", "pre_solve", "post_solve", "separate"):
+        callback: dict[str, Any] = {name: called}
+        space.on_collision(**callback, data=name)
+    return space
+
+
+def calm(space: pymunk.Space, time: float) -> None:
+    """Live, the benches come to rest after the blow, so that one can be dragged against the other."""
+    for body in space.bodies if time > 1 else []:
+        body.velocity, body.angular_velocity = 0.97 * body.velocity, 0.97 * body.angular_velocity
+
+
+slider = Slider("elasticity", 0, 1, label="Elasticity", rebuilds=True)
+LIVE: dict[str, Any] = {"step": 0.02, "on_step": calm, "controls": [slider], "events": events}
+
+# %%
+calls = list[str]()
+
+
+def noted(call: str) -> None:
+    """Print a call with its step, and keep it for the film. `begin` fails."""
+    calls.append(f"step {step}   {call}")
     print(calls[-1])
-    if name == "begin":
+    if call.endswith("begin"):
         raise ValueError("an error in begin")
 
 
-# One function for all callbacks: Pymunk hands it the `data` that it was given for each, here the name.
-for name in ("begin", "pre_solve", "post_solve", "separate"):
-    callback: dict[str, Any] = {name: called}
-    space.on_collision(**callback, data=name)
-
-# %%
+space = build(note=noted)
 # An error that no caller can catch goes to this hook of Python, which by default writes it to stderr.
 usual, sys.unraisablehook = sys.unraisablehook, lambda lost: print(f"hook:    {lost.exc_value}")
 frames = []
-for step in range(70):  # noqa: B007  # `called` prints it.
+for step in range(70):  # noqa: B007  # `noted` prints it.
     space.step(0.02)
     frames.append(Image.new("RGB", (400, 380), "white"))
     options = PillowDrawOptions(frames[-1], positive_y_is_up=True, line_width=2)
@@ -49,6 +71,7 @@ for step in range(70):  # noqa: B007  # `called` prints it.
     space.debug_draw(options)
     ImageDraw.Draw(frames[-1]).text((90, 230), "\n".join(calls), "black", font_size=14)
 sys.unraisablehook = usual
+*_, body = space.bodies
 print(f"afterwards the bench of {body.mass:.0f} kg goes at {body.velocity.length:.3f} m/s")
 frames[0].save("callbacks.gif", save_all=True, append_images=frames[1:], duration=[60] * 69 + [4000], loop=0)
 
@@ -80,8 +103,8 @@ frames[40]
 # ## Check
 # The impulse of 3.29 N s is what sets the bench in motion: divide it by 10 kg, and compare the speed.
 # ## Try
-# Watch which calls come once, which again and again, and with which impulse. Live: then drag one bench against the
-# other and hold it there. What is the impulse of a contact that lasts?
+# Watch which calls come once, which again and again, and with which impulse. Live: then drag one bench so that it
+# slowly pushes the other along. What is the impulse of a contact that lasts?
 # ## Change
 # Set `elasticity`, their bounce, to 0. Why is there less of an impulse, but more of the calls?
 # ## Teacher

@@ -3,7 +3,7 @@ stages.chain = (lab) => {
   const snap = 0.05; // m: a handle so close to a point of the spiral is put on it
   const time = lab.slider(["time", "时间"], { min: 0, max: 420, step: 1, value: 300, unit: "s", play: () => 10 });
   const bench = lab.slider(["handle to handle", "两把手间距"], { min: 1, max: 2.86, step: 0.01, value: 2.86, unit: "m" });
-  const { spiral, begin } = new March(), points = curvePoints(spiral, begin - 200, 0, 0.05), found = new Set();
+  const { spiral, begin } = new March(), points = curvePoints(spiral, begin - 200, 0), found = new Set();
   let angle = 0.5, head, from, right, met, own, correct;
 
   const next = () => [from[0] + bench.value * Math.cos(angle), from[1] + bench.value * Math.sin(angle)];
@@ -33,13 +33,16 @@ stages.chain = (lab) => {
   lab.pane(1, () => ({ x: from[0], y: from[1], size: 2.4 * bench.value }), (pane) => {
     pane.line(points, { colour: "curve", width: 1.5 });
     pane.line(circlePoints(from, bench.value), { colour: "quiet", dash: [4, 4] });
-    pane.line(curvePoints(spiral, head, head + 0.5), { width: 3 });
+    const ahead = curvePoints(spiral, head, head + 0.5);
+    pane.line(ahead, { width: 3 });
     pane.benches(benchesBetween(makeDragon({ benches: 1, head: bench.value }), [from, next()]));
     const way = own ? curvePoints(spiral, Math.min(own, head), Math.max(own, head), 0.03) : [];
     pane.line(way, { colour: correct ? "tail" : "contact", width: 4 });
     for (const s of met.filter((each) => found.has(each))) pane.dot(spiral.frame(s), { colour: "quiet" });
     pane.dot(from, { radius: 6 });
-    pane.text(from, lab.say(["handle 0, and its way ahead", "0 号把手及其前方的路"]), { dy: 18 });
+    // Beyond the end of the way, which it does not cover.
+    const below = ahead.at(-1)[1] < from[1];
+    pane.text(ahead.at(-1), lab.say(["handle 0, and its way ahead", "0 号把手及其前方的路"]), { dy: below ? 14 : -14 });
   });
   lab.knob(["The next handle: drag it round the circle", "下一个把手：沿圆周拖动"], {
     at: next,

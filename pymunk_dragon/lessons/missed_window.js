@@ -14,16 +14,16 @@ stages["missed-window"] = (lab) => {
     return range(first, last, last - first).map((k) => [k * step, 1000 * gap(k * step)]);
   };
   const view = () => {
-    const scale = 10 ** zoom.value, half = (end - begin) / 2 / scale, base = 1000 * now.gap * (1 - 1 / scale);
+    const scale = 10 ** zoom.value, half = (end - begin) / 2 / scale, base = 1000 * now.gap * (1 - 1 / scale ** 2);
     const middle = bounded(time.value, begin + half, end - half);
     return {
-      across: [middle - half, middle + half], up: [base - 10 / scale ** 2, base + 30 / scale ** 2],
+      across: [middle - half, middle + half], up: [base - 15 / scale ** 2, base + 30 / scale ** 2],
       name: ["gap of the head (mm) by the time (s), and samples", "龙头的空隙 (mm) 随时间 (s) 的变化，以及采样"],
     };
   };
   const size = () => 5 / 10 ** (2 * zoom.value), benchesAt = (...given) => march.benches(...given);
   const now = gapPanes(lab, { time, size, benchesAt, view, draw: (pane) => {
-    const [from, to] = view().across, fine = (end - begin) / 128 / 2 ** Math.round(zoom.value / Math.log10(2));
+    const [from, to] = view().across, fine = (end - begin) / 256 / 2 ** Math.round(zoom.value / Math.log10(2));
     pane.line(points(fine, [from - fine, Math.min(to + fine, now.seen)]), { colour: "body", width: 2 });
     const samples = to - from < 100 * length ? points(length, [from, to]) : [];
     for (const sample of samples) pane.dot(sample, { colour: sample[1] > 0 ? "text" : "contact" });
@@ -49,9 +49,10 @@ stages["missed-window"] = (lab) => {
     const long = missed && (missed.to - missed.from).toFixed(3);
     const [english, chinese] = missed?.to > now.seen ? ["", ""] : !missed ? ["No contact was missed.", "没有漏掉接触。"]
       : [`Missed: bench ${missed.bench}, touched for ${long} s.`, `漏掉了与 ${missed.bench} 号板凳的接触，历时 ${long} s。`];
+    const [at, size] = [time.value, 1000 * now.gap].map((value) => value.toFixed(3).replace("-", "−"));
     return [
-      `The samples find the head in bench ${found.bench} at ${t} s. ${english}`,
-      `采样发现龙头在 ${t} s 与 ${found.bench} 号板凳重叠。${chinese}`,
+      `${at} s: gap ${size} mm. The samples find the head in bench ${found.bench} at ${t} s. ${english}`,
+      `${at} s：空隙 ${size} mm。采样发现龙头在 ${t} s 与 ${found.bench} 号板凳重叠。${chinese}`,
     ];
   };
 };

@@ -33,9 +33,10 @@ stages["near-miss"] = (lab) => {
   };
   lab.readout = () => {
     const { bench, gap } = now, size = Math.abs(1000 * gap).toFixed(3);
-    const t = time.value.toFixed(2), first = upToNow().find((each) => each[1] <= 0)?.[0].toFixed(2) ?? "–";
+    const t = time.value.toFixed(2), first = upToNow().find((each) => each[1] <= 0)?.[0].toFixed(2);
     const [english, chinese] = gap > 0 ? [`the gap to bench ${bench} is ${size} mm`, `与 ${bench} 号板凳的空隙为 ${size} mm`]
       : [`the head overlaps bench ${bench} by ${size} mm`, `龙头与 ${bench} 号板凳重叠 ${size} mm`];
-    return [`${t} s: ${english}. First overlap until now: ${first} s.`, `${t} s：${chinese}。至此第一次重叠：${first} s。`];
+    const hit = first ? [`the first at ${first} s`, `第一次在 ${first} s`] : ["none", "无"];
+    return [`${t} s: ${english}. Overlaps until now: ${hit[0]}.`, `${t} s：${chinese}。至此的重叠：${hit[1]}。`];
   };
 };

@@ -4,7 +4,7 @@ stages.sat = (lab) => {
   const farthest = 1.2, hole = 0.825; // m from the centre to the benches', and from there to their holes
   const count = lab.slider(["walls", "墙的面数"], { min: 1, max: 5, step: 1, value: 1 });
   const poses = [[-0.8, -0.45, 0], [0.8, 0.45, Math.PI / 6]]; // x, y, angle
-  let own = 0.8, benches, walls;
+  let own = -0.8, benches, walls;
 
   // A wall along an angle, on its left or right side: the shadows of both benches on it, and the light between them.
   const wall = (angle, side, distance) => {

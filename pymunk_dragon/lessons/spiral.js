@@ -10,7 +10,8 @@ stages.spiral = (lab) => {
   lab.update = () => {
     if (spiral?.k !== pitch.value / TURN) {
       spiral = new Spiral(pitch.value);
-      [begin, end] = [8.8, 0.3].map((radius) => spiral.atRadius(radius));
+      // The head bench still fits on the innermost turn.
+      [begin, end] = [8.8, 1.5].map((radius) => spiral.atRadius(radius));
       points = curvePoints(spiral, begin - 55, 0);
       marks = curvePoints(spiral, begin, end, piece);
       time.max = Math.floor(end - begin);

@@ -14,7 +14,7 @@ from pymunk_dragon._signals import signals_held
 from pymunk_dragon.errors import DragonError, ParameterError, UnreachableError
 from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog
 from pymunk_dragon.model.dragon import pose_step
-from pymunk_dragon.model.march import March, States, checked_times
+from pymunk_dragon.model.march import March, checked_times
 from pymunk_dragon.model.run import Outcome, Run, position_errors
 from pymunk_dragon.model.settings import EngineSettings, engine_provenance
 from pymunk_dragon.physics.callbacks import Motion, Recorder
@@ -26,11 +26,8 @@ _FRAME_STRIDE = 0.1
 # Where contacts are resolved: the distance from its exact pose at which the head counts as blocked, in widths (1 mm for
 # the contest's benches).
 _HEAD_LAG = 1 / 300
-# How much of its speed the march then loses per metre at full speed. At 1 m/s the dancers brake at 20 m/s^2, with at
-# most 0.26 kN each.
+# Share of its speed that the march then loses in a metre: at 1 m/s dancers brake at 20 m/s^2, with at most 0.26 kN.
 _BRAKING = 20.0
-# How much of its speed the march regains afterwards per metre at full speed.
-_RESUMING = 2.0
 # Substeps for which the head's exact poses are computed at once.
 _BLOCK = 2048
 # Share of a substep: a shorter one at the end is due to rounding and left out.
@@ -136,12 +133,11 @@ class _Loop:
         interval = settings.frame_interval or _FRAME_STRIDE / world.top_speed
         per_frame = max(1, round(interval / world.substep))
         total = max(1, math.ceil((until - world.start) / world.substep - _LAST_SUBSTEP))
-        track = _waiting_head(world, total) if settings.contacts == "resolve" else _exact_head(world, total)
+        track = _waiting_head if settings.contacts == "resolve" else _exact_head
         begin = perf_counter()
         # A chain that flies apart is found by `_record`, in the next frame; until then NumPy need not warn of it.
         with np.errstate(all="ignore"), signals_held(lambda: self.recorder.in_engine) as release:
-            for head in track:
-                world.prepare(*head)
+            for _ in track(world, total):
                 self._step()
                 release()
                 if self.first_contact is not None and settings.contacts == "stop":
@@ -191,35 +187,26 @@ class _Loop:
             self.frames.append((time, poses, velocities, self._world.joint_impulses))
 
 
-def _exact_head(world: World, total: int) -> Iterator[tuple[States, int]]:
-    """Exact states of the head at the ends of up to `total` substeps, as far as the curve goes, and their rows."""
+def _waiting_head(world: World, total: int) -> Iterator[None]:
+    """Prepare up to `total` substeps, as far as the curve goes; the head waits where it cannot go on."""
+    while total > 0 and world.follow(_HEAD_LAG, _BRAKING):
+        yield
+        total -= 1
+
+
+def _exact_head(world: World, total: int) -> Iterator[None]:
+    """Prepare up to `total` substeps, as far as the curve goes, at whose ends the head has its exact states."""
     for first in range(1, total + 1, _BLOCK):
         times = world.start + np.arange(first, min(first + _BLOCK, total + 1)) * world.substep
         try:
             states = world.march.at(times, handles=2)
         except UnreachableError as error:
             states = world.march.at(times[times < error.time], handles=2)
-        yield from ((states, row) for row in range(len(states.times)))
+        for row in range(len(states.times)):
+            world.prepare(states, row)
+            yield
         if len(states.times) < len(times):
             return
-
-
-def _waiting_head(world: World, total: int) -> Iterator[tuple[States, int, float]]:
-    """The same, with a share of the speed: the head slows down to a stop while the engine's head cannot follow.
-
-    The dancers follow the speed of these states, so they brake with it.
-    """
-    most_lag = _HEAD_LAG * float(world.march.dragon.widths.min())
-    time, share = world.start, 1.0
-    for _ in range(total):
-        change = -_BRAKING if world.head_lag > most_lag else _RESUMING
-        share = min(max(share + change * world.top_speed * world.substep, 0.0), 1.0)
-        time += share * world.substep
-        try:
-            states = world.march.at(time, handles=2)
-        except UnreachableError:
-            return
-        yield states, 0, share
 
 
 def _guide_name(guide: PathGuide) -> str:

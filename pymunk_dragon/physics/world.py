@@ -29,9 +29,9 @@ _MAX_TIME = 1e9
 
 # Where dancers have let go: speed at which those who come back carry a bench, over the head's top speed, the rate at
 # which they approach, per metre, and the position error at which a bench is back, in widths.
-_RETURN_SPEED = 4.0
-_RETURN_RATE = 20.0
-_RETURNED = 0.1
+_RETURN_SPEED, _RETURN_RATE, _RETURNED = 4.0, 20.0, 0.1
+# 1/s: rate at which the time of a march that stands goes to where the head is.
+_RECOVERING = 5.0
 # Then the largest force on a bench, over the ground drag on it at the head's top speed, and torque at 1 m.
 _MAX_GUIDE_FORCE = 20.0
 
@@ -50,8 +50,8 @@ def top_speed(march: March, start: float, until: float | None) -> float:
 class World:
     """A Pymunk space with a dragon at `start` on its march; its state is read and written for all bodies at once.
 
-    Each step is `prepare`, ``space.step(world.substep)``, `read`. Between two steps settings may change, and where
-    contacts are resolved, dancers may let go and come back, and joints may be cut.
+    Each step is `prepare` or `follow`, ``space.step(world.substep)``, `read`. Between two steps settings may change,
+    and where contacts are resolved, dancers may let go and come back, and joints may be cut.
 
     Parameters
     ----------
@@ -77,6 +77,8 @@ class World:
     poses, velocities, collided_poses : ndarray, shape (N, 3)
         State of the benches after the last step, and poses at which the space found contacts and solved the joints in
         it: m, m, rad and per s.
+    time, share : float
+        Time, s, of a march that `follow` plays, and the share of its speed that it has.
     free_from : int or None
         First bench whose dancers have let go, as have those of all behind it.
 
@@ -109,7 +111,7 @@ class World:
         start = finite("start", start, -_MAX_TIME, _MAX_TIME, "s")
         if until is not None and finite("until", until, -_MAX_TIME, _MAX_TIME, "s") <= start:
             raise ParameterError("until", until, f"later than the start, {start:g} s")
-        self.march, self.start = march, start
+        self.march, self.start, self.time, self.share = march, start, start, 1.0
         self.guide = guide if isinstance(guide, PathGuide) else GUIDES[word("guide", guide, GUIDES)]()
         self.top_speed = top_speed(march, start, until)
         dragon = march.dragon
@@ -143,11 +145,6 @@ class World:
     def joint_impulses(self) -> list[float]:
         """Size of the impulse in each pivot during the last step, N s."""
         return [pivot.impulse for pivot in self.pivots]
-
-    @property
-    def head_lag(self) -> float:
-        """Distance of the head's centre from its exact position, m."""
-        return float(np.hypot(*(self._control.position - self.bodies[0].position)))
 
     def change(self, **changes: Any) -> None:
         """Change `substep`, `iterations` or `drag` of the settings from the next step on."""
@@ -262,6 +259,31 @@ class World:
         self._out_poses[:] = given
         self._send(given + self.substep * self.velocities, states, row, share)
 
+    def follow(self, lag: float, braking: float, speed: float = 1.0, *, recovers: bool = False) -> bool:
+        """Prepare a step of a march that waits while the head cannot follow; whether the curve goes on so far.
+
+        Where the head is `lag` widths off, the march loses a share `braking` of its speed in a metre at full speed, and
+        regains it ten times more slowly. `speed` is a factor, and `recovers` whether one that stands goes to the head.
+        """
+        distance = self._control.position.get_distance(self.bodies[0].position) / self.march.dragon.widths.min()
+        change = -braking if distance > lag else braking / 10
+        self.share = min(max(self.share + change * self.top_speed * self.substep, 0.0), 1.0)
+        share, goes_on = self.share * speed, True
+        try:
+            states = self.march.at(self.time + share * self.substep, handles=2)
+            self.time += share * self.substep
+        except UnreachableError:
+            states, share, goes_on = self.march.at(self.time, handles=2), 0.0, False
+        if share == 0 and recovers:
+            # A motor alone would push a long chain back along its path for minutes.
+            x, y, angle = states.poses[0, 0].tolist()
+            ahead = (self.bodies[0].position - (x, y)).dot(pymunk.Vec2d.from_polar(1, angle)) / self.top_speed
+            self.time = min(max(self.time + _RECOVERING * self.substep * ahead, self.start), self.march.end)
+        if self._carriers:
+            self._carry(self.march.at(self.time), share)
+        self.prepare(states, share=share)
+        return goes_on
+
     def _send(self, coming: Array, states: States, row: int, share: float) -> None:
         """Write the head's pose, and anchors and forces for benches that get the poses `coming`, to the spaces."""
         forces = self._out_forces
@@ -361,11 +383,8 @@ class World:
         self.space.add(*self._carriers)
         self._apply_settings()
 
-    def carry(self, states: States, share: float) -> None:
-        """Carry benches to their positions in the exact `states` (one time), whose velocities apply by a `share`.
-
-        When all have arrived, dancers guide them again. To be called before each step while benches are `returning`.
-        """
+    def _carry(self, states: States, share: float) -> None:
+        """Carry benches to their exact positions, from which dancers guide them again when all have arrived."""
         assert self.free_from is not None  # Benches return only if some were free.
         first = self.free_from + 1
         # A carrier follows a moving target with a delay of this time, so its target is as far ahead: otherwise it would

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import KW_ONLY, dataclass
 
 import pymunk
@@ -28,7 +29,7 @@ class Slider:
         Name, range, and value at the start, by default that of the argument of this name, or of the space.
     rebuilds, action : bool, callable, optional
         Whether a change builds the space again, with the value as the argument `name` of the function; otherwise
-        ``action(space, value)`` is called, or a property of the space is set: "gravity", "damping" or "iterations".
+        ``action(space, value)`` is called, or "gravity", "damping" or "iterations" of the space is set.
     label, unit, logarithmic, whole : str, str, bool, bool
         Text on the page in place of the name, unit, kind of the scale, and whether values are whole numbers.
 
@@ -80,10 +81,10 @@ class Button:
 
 
 @dataclass(frozen=True)
-class Key:
-    """A key, as "ArrowLeft", " " or "x", that calls ``action(space)``, and ``up(space)`` when it is released.
+class Key(Button):
+    """A key that calls ``action(space)``, and ``up(space)`` when it is released; it does nothing else on the page.
 
-    Names are those of `KeyboardEvent.key` in browsers; the key does nothing else on the page.
+    Its name is that of `KeyboardEvent.key` in browsers, as "ArrowLeft", " " or "x".
 
     Examples
     --------
@@ -92,8 +93,6 @@ class Key:
     'ArrowUp'
     """
 
-    name: str
-    action: _Action
     up: _Action | None = None
 
 
@@ -125,25 +124,23 @@ class PygameEvents:
         return surface and (surface.width / 2, surface.height / 2, surface.width, surface.height)
 
     def key(self, name: str, down: bool) -> None:
-        """Post the event of a key with a name of the browser's."""
+        """Post the event of a key with a name of the browser's, if pygame has that key."""
         pygame, keys = self._pygame, self._keys
-        try:
+        with suppress(ValueError):
             code = pygame.key.key_code(_KEY_NAMES.get(name, name.removeprefix("Arrow")))
-        except ValueError:  # A key that pygame does not have.
-            return
-        keys[code] = down
-        pygame.key.set_mods(pygame.KMOD_SHIFT * keys[pygame.K_LSHIFT] | pygame.KMOD_CTRL * keys[pygame.K_LCTRL])
-        character = name if len(name) == 1 else ""
-        self._post("KEYDOWN" if down else "KEYUP", key=code, mod=pygame.key.get_mods(), unicode=character, scancode=0)
+            keys[code] = down
+            mods = pygame.KMOD_SHIFT * keys[pygame.K_LSHIFT] | pygame.KMOD_CTRL * keys[pygame.K_LCTRL]
+            pygame.key.set_mods(mods)
+            kind, text = pygame.KEYDOWN if down else pygame.KEYUP, name if len(name) == 1 else ""
+            pygame.event.post(pygame.event.Event(kind, key=code, mod=mods, unicode=text, scancode=0))
 
     def pointer(self, x: float, y: float, kind: str) -> None:
         """Post the event of the pointer at a pixel of pygame's window: "down", "up" or "move"."""
-        before, self._place = self._place, (round(x), round(y))
+        event, before, self._place = self._pygame.event, self._place, (round(x), round(y))
         self._button = kind == "down" or (kind == "move" and self._button)
         moved = self._place[0] - before[0], self._place[1] - before[1]
-        names = {"down": "MOUSEBUTTONDOWN", "up": "MOUSEBUTTONUP", "move": "MOUSEMOTION"}
+        name = {"down": "MOUSEBUTTONDOWN", "up": "MOUSEBUTTONUP", "move": "MOUSEMOTION"}[kind]
+        buttons = int(self._button), 0, 0
         # Each event has the attributes of all three.
-        self._post(names[kind], pos=self._place, rel=moved, button=1, buttons=(int(self._button), 0, 0))
-
-    def _post(self, name: str, **values: object) -> None:
-        self._pygame.event.post(self._pygame.event.Event(getattr(self._pygame, name), values))
+        values = {"pos": self._place, "rel": moved, "button": 1, "buttons": buttons}
+        event.post(event.Event(getattr(self._pygame, name), values))

@@ -10,9 +10,8 @@ import pymunk
 
 from pymunk_dragon._arguments import Array, word
 from pymunk_dragon.drawing.debug_draw import DrawRecorder
-from pymunk_dragon.drawing.readings import NO_ARROW, joint_at
+from pymunk_dragon.drawing.readings import arbiter_rows, joint_at
 from pymunk_dragon.drawing.scene import hole_diameter
-from pymunk_dragon.errors import UnreachableError
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import position_errors
 from pymunk_dragon.model.scenario import Scenario
@@ -24,13 +23,9 @@ from pymunk_dragon.sessions.scene import Play, Scene
 
 _Values = Mapping[str, float]
 
-# Distance from its exact pose, in widths, at which the head counts as blocked.
-_HEAD_LAG = 1 / 50
-# Share of its full speed that the march then loses in a metre at full speed, and that it regains afterwards. The motor
-# of the head has to follow without reaching that distance.
-_BRAKING, _RESUMING = 10.0, 1.0
-# 1/s: rate at which the time of a march that stands goes to where the head is, so that it goes on from there.
-_RECOVERING = 5.0
+# Distance from its exact pose, in widths, at which the head counts as blocked: its motor has to follow without reaching
+# it. And share of its full speed that the march then loses in a metre.
+_HEAD_LAG, _BRAKING = 1 / 50, 10.0
 # mm that the head travels in a step, twice as many as in `simulate` where contacts are resolved, and half its
 # iterations: 223 benches take a tenth of real time. With the most benches two cores keep up with real time.
 _STRIDE, _ITERATIONS, _MAX_BENCHES = 10.0, 30, 500
@@ -41,28 +36,27 @@ _OBSTACLE = 1_000_000
 class DragonScene(Scene):
     """A dragon whose head is pulled along a march; see `Scene` and `World`."""
 
-    abilities = ("dancers", "cut", "obstacles", "contacts", "ghost")
     # Not the joints of the dancers.
     drawn = DrawRecorder.DRAW_SHAPES
 
     def __init__(self, march: March, values: _Values, *, contacts: str = "resolve", start: float = 0.0) -> None:
-        self.march = march = _changed(march, values)
+        changes = {name: values[name] for name in ("pitch", "width", "benches") if name in values}
+        if changes:
+            march = Scenario.from_dict(Scenario.of(march).values() | changes, files=False).march()
+        self.march = march
         speed = top_speed(march, start, None)
         usual = {"step": _STRIDE / speed, "iterations": _ITERATIONS, "drag": EngineSettings.drag, "speed": speed}
-        self._given = {**usual, **values}
+        self._given = usual | dict(values)
         self.world = World(march, contacts="resolve", start=start, **_settings(self._given))
         self._curve = curve_points(march, start, start)
         low, high = self._curve.min(axis=0), self._curve.max(axis=0)
         (x, y), (width, height) = (low + high) / 2, high - low + march.dragon.lengths.max()
         super().__init__(self.world.space, Play(step=self.world.substep, field=(x, y, width, height)))
         self.time = self.march_time = start
-        self._share, self._ended = 1.0, False
-        self._lag = _HEAD_LAG * float(march.dragon.widths.min())
         self._numbers: dict[pymunk.Shape, int] = {shape: number for number, shape in enumerate(self.world.shapes)}
-        # Pairs that touched in the step before, pairs that touch, and rows of their contacts.
-        self._touched: set[tuple[int, int]] = set()
-        self._touching: set[tuple[int, int]] = set()
-        self._rows: list[tuple[float, ...]] = []
+        # Rows of the contacts of pairs that touch, and of those in the step before.
+        self._touching: dict[tuple[int, ...], list[tuple[float, ...]]] = {}
+        self._touched = self._touching
         self.space.on_collision(pre_solve=self._touch, data=False)
         self.space.on_collision(post_solve=self._touch, data=True)
         self.contacts(contacts)
@@ -77,8 +71,7 @@ class DragonScene(Scene):
             Slider("drag", 0.5, 50, values["drag"], label="Ground drag", unit="1/m", **engine),
             Slider("speed", 0, 2 * speed, values["speed"], label="Speed of the head", unit="m/s", action=self._apply),
         ]
-        pitch = getattr(self.march.curve, "pitch", None)
-        if pitch is not None:
+        if pitch := getattr(self.march.curve, "pitch", None):
             low, high = float(dragon.widths.max()) * 1.05, 3 * max(pitch, 0.55)
             found.append(Slider("pitch", low, high, pitch, label="Pitch", unit="m", rebuilds=True))
         if dragon.alike and isinstance(dragon.width, float):
@@ -92,41 +85,16 @@ class DragonScene(Scene):
         self.world.change(**_settings(self.values))
         self.step_length = self.world.substep
 
-    # ---- time
-
     def advance(self) -> None:
-        """Make a step; the march waits while the head cannot follow."""
-        self._steer()
-        self._touched, self._touching = self._touching, set()
-        self._rows.clear()
-        super().advance()
-        self.world.read()
-
-    def _steer(self) -> None:
-        """Set the state of the march at the end of the next step."""
+        """Make a step of the dragon."""
         world = self.world
-        change = -_BRAKING if world.head_lag > self._lag else _RESUMING
-        self._share = min(max(self._share + change * world.top_speed * world.substep, 0.0), 1.0)
-        share = self._share * self.values["speed"] / world.top_speed
-        try:
-            states = self.march.at(self.march_time + share * world.substep, handles=2)
-            self.march_time += share * world.substep
-        except UnreachableError:
-            if not self._ended:
-                self.events.append("the head is at the end of its path")
-            self._ended = self.stops = True
-            states, share = self.march.at(self.march_time, handles=2), 0.0
-        if share == 0 and self._held is None:
-            # A motor alone would push a long chain back along its path for minutes.
-            x, y, angle = states.poses[0, 0].tolist()
-            ahead = (world.bodies[0].position - (x, y)).dot(pymunk.Vec2d.from_polar(1, angle))
-            shift = _RECOVERING * world.substep * ahead / world.top_speed
-            self.march_time = min(max(self.march_time + shift, world.start), self.march.end)
-        if world.returning:
-            world.carry(self.march.at(self.march_time), share)
-        world.prepare(states, share=share)
-
-    # ---- contacts, dancers, joints
+        if not world.follow(_HEAD_LAG, _BRAKING, self.values["speed"] / world.top_speed, recovers=self._held is None):
+            self.events.append("the head is at the end of its path")
+            self.stops = True
+        self._touched, self._touching = self._touching, {}
+        super().advance()
+        world.read()
+        self.march_time = world.time
 
     def _touch(self, arbiter: pymunk.Arbiter, space: pymunk.Space, solved: bool) -> None:
         """Note a contact of this step, tell of it if it begins, and stop at it if contacts do so."""
@@ -134,15 +102,11 @@ class DragonScene(Scene):
             arbiter.process_collision = self._contacts_do == "resolve" and not self.world.returning
             if arbiter.process_collision:
                 return
-        contact = arbiter.contact_point_set
-        impulses = arbiter.total_impulse.length if solved else 0.0, NO_ARROW
-        points = zip(contact.points, impulses, strict=False)
-        self._rows += [(*point.point_a, *contact.normal, impulse) for point, impulse in points]
-        i, j = sorted(self._numbers.get(shape, _OBSTACLE) for shape in arbiter.shapes)
-        if (i, j) not in self._touched and (i, j) not in self._touching:
+        pair = i, j = tuple(sorted(self._numbers.get(shape, _OBSTACLE) for shape in arbiter.shapes))
+        if pair not in self._touched and pair not in self._touching:
             self.events.append(f"bench {i} and an obstacle touch" if j == _OBSTACLE else f"benches {i} and {j} touch")
             self.stops |= self._contacts_do == "stop"
-        self._touching.add((i, j))
+        self._touching.setdefault(pair, []).extend(arbiter_rows(arbiter, solved))
 
     def contacts(self, value: str) -> None:
         """Choose what contacts do."""
@@ -165,8 +129,6 @@ class DragonScene(Scene):
         """Return the joints between benches that were not cut; those of guide and motor are not shown."""
         return [pivot for pivot in self.world.pivots if pivot.max_force > 0]
 
-    # ---- what is shown
-
     def to_dict(self) -> dict[str, Any]:
         """Return what the page gets once: the sizes of the benches, and the curve."""
         dragon = self.march.dragon
@@ -179,10 +141,6 @@ class DragonScene(Scene):
         cuts = [number for number, pivot in enumerate(self.world.pivots) if pivot.max_force == 0]
         return super().state() | {"contacts": self._contacts_do, "free_from": self.world.free_from, "cuts": cuts}
 
-    def plots(self) -> dict[str, float]:
-        """Return nothing: the page has charts of the position error and the tension."""
-        return {}
-
     def poses(self) -> Array:
         """Return the poses (N, 3) of the benches: m, m, rad."""
         return self.world.poses
@@ -194,20 +152,12 @@ class DragonScene(Scene):
             "exact": states.poses[0],
             "errors": position_errors(self.march.dragon, poses, states.positions[0]),
             "forces": np.array(self.world.joint_impulses) / self.step_length,
-            "contacts": np.array(self._rows).reshape(-1, 5),
+            "contacts": np.array([row for rows in self._touching.values() for row in rows]).reshape(-1, 5),
         }
         touching = sorted({number for pair in self._touching for number in pair} - {_OBSTACLE})
-        waits = self._share < 1 and not self._ended
-        return {"march_time": self.march_time, "touching": touching, "waits": waits}, arrays
+        return {"march_time": self.march_time, "touching": touching, "waits": self.world.share < 1}, arrays
 
 
 def _settings(values: _Values) -> dict[str, Any]:
     """Return the settings of the engine for values of the sliders."""
     return {"substep": values["step"] / 1e3, "iterations": int(values["iterations"]), "drag": values["drag"]}
-
-
-def _changed(march: March, values: _Values) -> March:
-    """Return the march with other values of what a slider rebuilds."""
-    kinds = {"pitch": float, "width": float, "benches": int}
-    changes = {name: kind(values[name]) for name, kind in kinds.items() if name in values}
-    return Scenario.from_dict(Scenario.of(march).values() | changes, files=False).march() if changes else march

@@ -113,6 +113,7 @@ def live(
     on_step: Callable[[pymunk.Space, float], object] | None = None,
     controls: Sequence[Slider | Button | Key | PygameEvents] = (),
     plots: Mapping[str, Callable[[pymunk.Space], float]] | None = None,
+    events: list[str] | None = None,
     y_down: bool = False,
     units: str = "m",
     paused: bool = False,
@@ -141,6 +142,8 @@ def live(
         What the page has in addition.
     plots : mapping of str to callable, optional
         Functions of the space whose values the page shows as charts, by their titles.
+    events : list of str, optional
+        List to which your functions append texts, which the page shows as events.
     y_down, units, paused : bool, str, bool
         Whether y points down on the page, unit of length, for example "px", and whether to begin paused.
     browser : bool
@@ -175,7 +178,8 @@ def live(
     """
     path = None if record is None else check_destination(record, RECORDING_ENDINGS)
     length = None if step is None else finite("step", step, 1e-6, MAX_STEP, "s")
-    play = Play(step=length, on_step=on_step, controls=controls, plots=plots or {}, y_down=y_down, units=units)
+    seen: Any = {"plots": plots or {}, "events": events, "y_down": y_down, "units": units}
+    play = Play(step=length, on_step=on_step, controls=controls, **seen)
     session = Session(source_of(what, play), running=not paused)
     return Live(session, path, browser=browser, host=host, port=port, allow_hosts=allow_hosts)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -12,18 +12,16 @@ import pymunk
 
 from pymunk_dragon._arguments import Array, positive, word
 from pymunk_dragon.drawing.canvas import in_binary, packed
-from pymunk_dragon.drawing.debug_draw import DrawCall, DrawRecorder, extent
+from pymunk_dragon.drawing.debug_draw import DrawRecorder, area
 from pymunk_dragon.drawing.readings import Readings, body_at, energies, joint_at, joint_rows
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.sessions.controls import Button, Key, PygameEvents, Slider
 
-# Largest acceleration by a hand, in m/s^2, as in Box2D's testbed: for scenes of this size; in larger ones, more.
+# Largest acceleration by a hand, in m/s^2, as in Box2D's testbed; in scenes larger than this size, more.
 _HAND_ACCELERATION, _HAND_SIZE = 1000.0, 10.0
 # Share of the distance to the pointer that is left after a second, as in Pymunk's examples.
 _HAND_BIAS = (1 - 0.15) ** 60
-_MAX_OBSTACLES, _OBSTACLE_FRICTION = 100, 0.4
-# Least width and height of the area that is shown.
-_SMALLEST = 1e-3
+_OBSTACLE_FRICTION = 0.4
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,18 +33,16 @@ class Play:
     on_step: Callable[[pymunk.Space, float], object] | None = None
     controls: Sequence[Slider | Button | Key | PygameEvents] = ()
     plots: Mapping[str, Callable[[pymunk.Space], float]] = field(default_factory=dict)
+    events: list[str] | None = None
     y_down: bool = False
     units: str = "m"
     # Centre, width and height of the area to show at first; by default that of all shapes and joints.
     field: tuple[float, float, float, float] | None = None
-    # What the page shows at first beside the usual: "forces", "handles", "labels", "centres".
-    show: tuple[str, ...] = ()
 
 
 class Scene:
     """Any Pymunk space, drawn as Pymunk's debug drawing draws it."""
 
-    abilities: tuple[str, ...] = ("cut", "obstacles", "until_contact")
     # What pictures and the page show of Pymunk's debug drawing; contacts are sent apart.
     drawn = DrawRecorder.DRAW_SHAPES | DrawRecorder.DRAW_CONSTRAINTS
 
@@ -55,7 +51,7 @@ class Scene:
         # A program makes its first step later.
         self.step_length = play.step or 1 / 60
         self.steps, self.time = 0, 0.0
-        self.events: list[str] = []
+        self.events: list[str] = [] if play.events is None else play.events
         self.stops = self.waits_for_contact = False
         # Obstacles by number: what the page gets, and the shape.
         self._obstacles: dict[int, tuple[dict[str, Any], pymunk.Shape]] = {}
@@ -65,23 +61,20 @@ class Scene:
         self._recorder.flags = self.drawn
         self._readings = Readings(space)
         self.pygame = next((each for each in play.controls if isinstance(each, PygameEvents)), None)
+        self._pressed = {each.name: each for each in play.controls if isinstance(each, Button)}
         self._down = space.gravity.normalized() if space.gravity.length > 0 else pymunk.Vec2d(0, -1)
-        # Sliders with their present values: the user's come first, and replace those of the scene.
+        # Sliders, and their present values: the user's come first, and replace those of the scene.
         known = {each.name: each for each in self._sliders()}
         own = {each.name: each for each in play.controls if isinstance(each, Slider)}
         self.parameters = own | known | own
-        for name, each in own.items():
-            if each.value is None:
-                self.parameters[name] = replace(each, value=known[name].value if name in known else each.low)
+        # Values at the start: of a slider without, that of the space, or the lowest.
+        given = {each.name: each.value for each in [*known.values(), *own.values()] if each.value is not None}
+        self.values: dict[str, float] = {name: each.low for name, each in own.items()} | given
         self.fit()
 
     def fit(self) -> None:
         """Choose the area to show at first: that of `Play.field`, of pygame's window, or of what is drawn."""
-        field = self.play.field or (self.pygame and self.pygame.field)
-        if not field:
-            box = extent(self.space)
-            box = box if box.left <= box.right else pymunk.BB(-1, -1, 1, 1)
-            field = *box.center(), max(box.right - box.left, _SMALLEST), max(box.top - box.bottom, _SMALLEST)
+        field = self.play.field or (self.pygame and self.pygame.field) or area(self.space)
         self.field: dict[str, list[float]] = {"centre": list(field[:2]), "size": list(field[2:])}
 
     def advance(self) -> None:
@@ -96,31 +89,22 @@ class Scene:
         if not self._readings.are_finite():
             raise DragonError("the bodies flew apart: reset, and take shorter steps")
 
-    # ---- what controls change
-
     def _sliders(self) -> list[Slider]:
         """Return the sliders that any space has."""
-        step, space, strength = self.play.step, self.space, self.space.gravity.length
+        ms, space, g = 1e3 * self.step_length, self.space, self.space.gravity.length
         known = [
+            Slider("step", ms / 10, 10 * ms, ms, label="Time step", unit="ms", logarithmic=True),
             Slider("iterations", 1, 200, space.iterations, label="Iterations", logarithmic=True, whole=True),
             Slider("damping", 0, 1, space.damping, label="Velocity kept in 1 s"),
+            Slider("gravity", 0, 3 * g or 1.0, g, label="Gravity", unit=f"{self.play.units}/s²"),
         ]
-        if step is not None:
-            low, now, high = 1e2 * step, 1e3 * step, 1e4 * step
-            known.insert(0, Slider("step", low, high, now, label="Time step", unit="ms", logarithmic=True))
-        if strength > 0:
-            unit = f"{self.play.units}/s²"
-            known.append(Slider("gravity", 0, 3 * strength, strength, label="Gravity", unit=unit))
-        return known
-
-    @property
-    def values(self) -> dict[str, float]:
-        """Values of the sliders."""
-        return {name: each.value for name, each in self.parameters.items() if each.value is not None}
+        # A program that makes the steps itself chooses their length.
+        hidden = {"step": self.play.step is None, "gravity": g == 0}
+        return [each for each in known if not hidden.get(each.name)]
 
     def set(self, name: str, value: float) -> None:
         """Change a value: by the action of its slider or, if the slider does not rebuild, as a property."""
-        slider = self.parameters[name] = replace(self.parameters[name], value=value)
+        slider, self.values[name] = self.parameters[name], value
         if slider.action is not None:
             slider.action(self.space, value)
         elif name == "step":
@@ -130,15 +114,14 @@ class Scene:
 
     def press(self, name: str, down: bool) -> None:
         """Call the action of a button or a key that is pressed, or that of a key that is released."""
-        controls = [each for each in self.play.controls if isinstance(each, Button | Key) and each.name == name]
+        control = self._pressed.get(name)
         if self.pygame is not None:
             self.pygame.key(name, down)
-        elif not controls:
+        elif control is None:
             raise ParameterError("name", name, "a button or a key of this scene")
-        for control in controls[:1]:
-            action = control.action if down else getattr(control, "up", None)
-            if action is not None:
-                action(self.space)
+        action = getattr(control, "action" if down else "up", None)
+        if action is not None:
+            action(self.space)
 
     def pointer(self, x: float, y: float, kind: str) -> None:
         """Hand the pointer on to a pygame program, whose window has its origin at the upper left."""
@@ -147,18 +130,15 @@ class Scene:
             raise ParameterError("pointer", kind, "sent to a program with PygameEvents")
         self.pygame.pointer(x, y if self.play.y_down else self.field["size"][1] - y, kind)
 
-    # ---- what a hand does
-
     def grab(self, x: float, y: float, slip: float) -> None:
         """Hold the nearest body that can move and has a point within `slip` of a point of the world."""
         self.drop()
         self._hand.position = x, y
         body, point = body_at(self.space, x, y, slip)
-        anchor = body.world_to_local(point)
-        self._held = pymunk.PivotJoint(self._hand, body, (0, 0), anchor)
-        self._held.max_force = _HAND_ACCELERATION * max(1.0, max(self.field["size"]) / _HAND_SIZE) * body.mass
-        self._held.error_bias = _HAND_BIAS
-        self.space.add(self._held)
+        held = self._held = pymunk.PivotJoint(self._hand, body, (0, 0), body.world_to_local(point))
+        held.max_force = _HAND_ACCELERATION * max(1.0, max(self.field["size"]) / _HAND_SIZE) * body.mass
+        held.error_bias = _HAND_BIAS
+        self.space.add(held)
 
     def drag(self, x: float, y: float) -> None:
         """Move the hand."""
@@ -186,10 +166,8 @@ class Scene:
 
     def obstacle(self, shape: str, x: float, y: float, size: float) -> None:
         """Put a round or square obstacle, `size` in diameter or side, on the ground."""
-        if len(self._obstacles) >= _MAX_OBSTACLES:
-            raise ParameterError("obstacle", shape, f"one of at most {_MAX_OBSTACLES}")
         half, ground = positive("size", size, math.inf, self.play.units) / 2, self.space.static_body
-        box = pymunk.BB(x - half, y - half, x + half, y + half)
+        box = pymunk.BB.newForCircle((x, y), half)
         is_round = word("shape", shape, ("round", "square")) == "round"
         found = pymunk.Circle(ground, half, (x, y)) if is_round else pymunk.Poly.create_box_bb(ground, box)
         found.friction = _OBSTACLE_FRICTION
@@ -203,43 +181,35 @@ class Scene:
             raise ParameterError("obstacle", obstacle, "the number of an obstacle")
         self.space.remove(self._obstacles.pop(obstacle)[1])
 
-    # ---- what is shown
-
     def to_dict(self) -> dict[str, Any]:
         """Return what the page gets once."""
-        play, controls = self.play, self.play.controls
-        keys = [each.name for each in controls if isinstance(each, Key)]
+        keys = [each.name for each in self._pressed.values() if isinstance(each, Key)]
+        now = [vars(each) | {"action": None, "value": self.values[name]} for name, each in self.parameters.items()]
         return {
             "step": self.step_length,
             "dragon": None,
             "field": self.field,
-            **{name: getattr(play, name) for name in ("y_down", "units", "show")},
-            "parameters": [vars(each) | {"action": None} for each in self.parameters.values()],
-            "buttons": [each.name for each in controls if isinstance(each, Button)],
+            "y_down": self.play.y_down,
+            "units": self.play.units,
+            "parameters": now,
+            "buttons": [name for name in self._pressed if name not in keys],
             "keys": ["*"] if self.pygame else keys,
             "plots": list(self.plots()),
-            "abilities": (*self.abilities, "pointer") if self.pygame else self.abilities,
         }
 
     def state(self) -> dict[str, Any]:
         """Return what changes now and then."""
         obstacles = [about for about, _ in self._obstacles.values()]
-        scene = {"obstacles": obstacles, "values": self.values, "waits_for_contact": self.waits_for_contact}
+        scene = {"obstacles": obstacles, "values": dict(self.values), "waits_for_contact": self.waits_for_contact}
         return {"contacts": None, "free_from": None, "cuts": [], **scene}
 
     def poses(self) -> Array:
         """Return the poses (B, 3) of the bodies in the space now."""
         return np.array([(*body.position, body.angle) for body in self.space.bodies]).reshape(-1, 3)
 
-    def calls(self) -> list[DrawCall]:
-        """Return what Pymunk draws now, without contacts."""
-        self.space.debug_draw(self._recorder)
-        return self._recorder.calls
-
     def plots(self) -> dict[str, float]:
         """Return quantities for charts: energy, momentum, and those of the user's."""
-        own = {name: float(quantity(self.space)) for name, quantity in self.play.plots.items()}
-        return energies(self.space) | own
+        return energies(self.space) | {name: float(plot(self.space)) for name, plot in self.play.plots.items()}
 
     def frame(self, header: Mapping[str, Any]) -> bytes:
         """Return the present state as `in_binary` does, with the session's part of the header."""
@@ -249,6 +219,7 @@ class Scene:
 
     def _parts(self) -> tuple[dict[str, Any], dict[str, Array]]:
         """Return parts of the header and arrays of a frame."""
-        calls, colours = packed(self.calls())
+        self.space.debug_draw(self._recorder)
+        calls, colours = packed(self._recorder.calls)
         joints = joint_rows(self.joints(), self.step_length)
         return {"colours": colours}, {"calls": calls, "joints": joints, "contacts": self._readings.contacts()}

@@ -55,8 +55,9 @@ class Lesson:
     cells : tuple of str
         The code of each cell.
     options : mapping of str to Any
-        Options of the first cell: `order`, by which lessons are sorted; `scene`, the name of a ready scene of
-        `pymunk-dragon live`; and `axes`, on which the class draws its guess: two labels with "|" between.
+        Options of the first cell: `order`, by which lessons are sorted; `scene`, the name of a live scene; `view`, the
+        centre, width and height of one that the program builds; and `axes`, on which the class draws its guess: two
+        labels with "|" between.
 
     Examples
     --------
@@ -96,6 +97,18 @@ class Lesson:
     def source(self) -> str:
         """The whole program."""
         return self.path.read_text(encoding="utf-8")
+
+    @property
+    def builds(self) -> bool:
+        """Whether its first cell has a function `build` for its live scene, and the keywords `LIVE` of `live`."""
+        return "view" in self.options
+
+    def scene(self) -> dict[str, Any]:
+        """What the first cell builds: its function, what the page tells of it, and how it is played."""
+        found: dict[str, Any] = {}
+        exec(self.cells[0], found)
+        about = {"name": self.options["scene"], "title": self.texts["Title"], "lesson": self.name}
+        return {"build": found["build"], "field": tuple(self.options["view"]), **about, **found["LIVE"]}
 
     def sections(self, language: str = "en") -> Mapping[str, str]:
         """The Markdown of each section; one without a translation is English."""

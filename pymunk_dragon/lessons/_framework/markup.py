@@ -27,13 +27,7 @@ UNICODE = [
 
 
 def html(text: str) -> str:
-    r"""A text as HTML, with formulas as MathML.
-
-    Examples
-    --------
-    >>> html("**Set** `t` to 1 s.")
-    '<strong>Set</strong> <code>t</code> to 1\xa0s.'
-    """
+    """A text as HTML, with formulas as MathML."""
     return BOLD.sub(r"<strong>\1</strong>", "".join(map(_part, MARKED.split(text))))
 
 
@@ -50,13 +44,7 @@ def _part(part: str) -> str:
 
 
 def plain(text: str) -> str:
-    r"""A text for a terminal, with formulas in Unicode.
-
-    Examples
-    --------
-    >>> plain(r"As $k \sqrt{\theta^2 + 1}$ and $\cos 30^\circ$")
-    'As k √(θ² + 1) and cos 30°'
-    """
+    """A text for a terminal, with formulas in Unicode."""
     for pattern, character in UNICODE:
         text = re.sub(r"\$[^$]*\$", lambda found: re.sub(pattern, character, found[0]), text)  # noqa: B023 - called at once
     return text.replace("$", "")

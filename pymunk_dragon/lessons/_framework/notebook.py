@@ -8,21 +8,7 @@ from pymunk_dragon.lessons._framework.lesson import Lesson
 
 
 def make_notebook(lesson: Lesson, language: str = "en") -> str:
-    """A lesson as the JSON text of a notebook: the program in cells, and its live scene in one; the answer is folded.
-
-    Raises
-    ------
-    MissingExtraError
-        If nbformat is not installed.
-
-    Examples
-    --------
-    >>> import json
-    >>> from pymunk_dragon.lessons import LESSONS
-    >>> cells = json.loads(make_notebook(LESSONS["spiral"]))["cells"]
-    >>> cells[0]["source"][0].strip()
-    '# How fast do you turn to watch the head?'
-    """
+    """A lesson as the JSON text of a notebook: its program in cells, its live scene, its answer folded."""
     nbformat = library("nbformat")
     v4 = nbformat.v4
     said = lesson.sections(language)
@@ -31,9 +17,10 @@ def make_notebook(lesson: Lesson, language: str = "en") -> str:
         opening = [f"# {said['Title']}", said["Question"], f"**{text('Guess')}**", lesson.guess(language), f"*{needs}*"]
         cells = [v4.new_markdown_cell("\n\n".join(opening)), *map(v4.new_code_cell, lesson.cells)]
         if scene := lesson.options.get("scene"):
+            played = "build, **LIVE" if lesson.builds else f'"{scene}"'
             cells += [
                 v4.new_markdown_cell(text("Touch it:")),
-                v4.new_code_cell(f'from pymunk_dragon import live\n\nlive("{scene}")'),
+                v4.new_code_cell(f"from pymunk_dragon import live\n\nlive({played})"),
             ]
         closing = [f"**{text(name)}**\n\n{said[name]}" for name in ("Check", "Change") if name in said]
         folded = f"<details><summary>{text('Answer')}</summary>\n\n{said.get('Answer', '')}\n\n</details>"

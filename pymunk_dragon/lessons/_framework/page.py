@@ -55,12 +55,8 @@ def write_lessons(
 
     Raises
     ------
-    ParameterError
-        If the file cannot be written, or the language is unknown.
-    MissingExtraError
-        If a library for pages or notebooks, or one that a lesson uses, is not installed.
-    OutputError
-        If writing fails.
+    ParameterError, OutputError, MissingExtraError
+        If the file cannot be written, or the language is unknown; if writing fails; if a library is not installed.
 
     Examples
     --------
@@ -95,27 +91,7 @@ def run_page(
 
 
 def make_page(recordings: Sequence[Recording], language: str = "en", *, live: bool = False) -> str:
-    """Lessons that were run as the text of one HTML page.
-
-    Parameters
-    ----------
-    recordings : sequence of Recording
-        The lessons, with what their programs printed.
-    language : str
-        "en" or "zh": the language in which the page opens.
-    live : bool
-        Whether a live server has the page, which then shows live scenes instead of recorded runs.
-
-    Raises
-    ------
-    MissingExtraError
-        If Jinja2, latex2mathml, nbformat or Pygments is not installed.
-
-    Examples
-    --------
-    >>> from pymunk_dragon.lessons import LESSONS, record
-    >>> page = make_page([record(LESSONS["spiral"])], "zh")
-    """
+    """Lessons that were run as the text of one HTML page, with live scenes if a live server has it."""
     stages = [found.lesson.path.with_suffix(".js") for found in recordings]
     own = [stage.read_text(encoding="utf-8") for stage in stages if stage.exists()]
     *shared, last = (asset("pymunk_dragon", name) for name in SCRIPTS)

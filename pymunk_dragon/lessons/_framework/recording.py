@@ -29,15 +29,7 @@ class Recording:
 
 
 def run(lesson: Lesson, folder: Path) -> Iterator[str]:
-    """Run the program of a lesson in a folder, where it writes its picture: the lines that it prints.
-
-    Raises
-    ------
-    MissingExtraError
-        If a library that the lesson uses is not installed.
-    DragonError
-        If the program fails, as where its picture cannot be written.
-    """
+    """Run the program of a lesson in a folder, where it writes its picture: the lines that it prints."""
     # Not by its folder on the path: a module of Python could have the name of a lesson.
     command = [sys.executable, "-P", "-u", str(lesson.path)]
     environment = os.environ | {"MPLBACKEND": "agg", "PYTHONIOENCODING": "utf-8"}

@@ -59,7 +59,8 @@ def play(lesson: Lesson, save: str | Path | None = None, *, language: str = "en"
         for name in ("Answer", "Check", "Change"):
             _say(text(name), said.get(name, ""))
         if scene := lesson.options.get("scene"):
-            _say(text("Touch it in a browser"), f"pymunk-dragon live {scene}{option}")
+            command = f"demo {lesson.name} --live" if lesson.builds else f"live {scene}"
+            _say(text("Touch it in a browser"), f"pymunk-dragon {command}{option}")
         if following := dict(pairwise(lessons())).get(lesson.name):
             _say(text("Next"), f"pymunk-dragon demo {following}{option}")
 

@@ -69,8 +69,8 @@ class Live extends Stage {
 
   setScene(scene) {
     this.showBuilding(false);
-    const wanted = !this.scene && STAGE && scene.name !== STAGE && scene.role === "control";
-    if (wanted) this.send({ do: "scene", name: STAGE });
+    // A stage begins anew when it is opened.
+    if (!this.scene && STAGE && scene.role === "control") this.send({ do: "scene", name: STAGE });
     const same = this.scene?.name === scene.name;
     this.scene = scene;
     this.frame = this.framePoses = null;
@@ -84,7 +84,8 @@ class Live extends Stage {
       this.follow = "field";
       this.events = [];
       this.showEvents();
-      for (const name of SWITCHES) this.shown[name] = [...SHOWN_BY_DEFAULT, ...scene.show].includes(name);
+      const own = STAGE && !scene.dragon ? ["forces"] : []; // in a lesson on forces
+      for (const name of SWITCHES) this.shown[name] = [...SHOWN_BY_DEFAULT, ...own].includes(name);
       setText("announcement", translated(scene.title));
     }
     showScene(this);

@@ -72,7 +72,8 @@ class LiveCharts {
     this.model = model;
     for (const chart of Object.values(this.charts)) chart.clear();
     element("charts-error").hidden = !model.can("ghost");
-    this.quantities = model.scene.plots.map((name) => new Quantity(name, model.unitOf(name), this.painter));
+    const names = model.benches ? [] : model.scene.plots; // a dragon has the charts above
+    this.quantities = names.map((name) => new Quantity(name, model.unitOf(name), this.painter));
     element("charts-own").replaceChildren(...this.quantities.map(({ figure }) => figure));
     element("save-charts").hidden = !this.quantities.length;
     this.setTexts();
@@ -151,7 +152,7 @@ class Quantity {
     this.name = unit ? `${name} (${unit})` : name;
     this.rows = []; // [time, value] since the scene began, for the table
     this.value = created("span", {}, "–");
-    const canvas = created("canvas", { ariaHidden: "true" }), title = unit ? `${translated(name)} (${unit})` : name;
+    const canvas = created("canvas", { ariaHidden: "true" }), title = translated(name) + (unit && ` (${unit})`);
     this.figure = created("figure", {}, created("figcaption", {}, created("span", {}, title), " ", this.value), canvas);
     this.chart = new Chart(canvas, painter);
   }

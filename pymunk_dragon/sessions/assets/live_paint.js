@@ -36,15 +36,16 @@ class LivePainter extends Painter {
       drawCalls(this, state.obstacles.map(obstacleCall));
       this.drawDragon({ frame, benches, visible, inContact, state, show, target });
     } else drawCalls(this, frame.calls);
-    if (show.forces) drawForces(this, joints);
+    const forces = show.forces && joints.length > 0;
+    if (forces) drawForces(this, joints);
     if (show.labels) drawNumbers(this, benches, visible, inContact);
     drawCuts(this, benches, state.cuts);
     if (show.contacts) drawImpulses(this, frame);
     if (held) drawHeld(this, held);
     if (target) drawTarget(this, target);
     if (aims) drawAim(this);
-    if (show.forces) drawLegend(this);
-    drawScaleBar(this, show.forces ? LEGEND_ROOM : 0);
+    if (forces) drawLegend(this);
+    drawScaleBar(this, forces ? LEGEND_ROOM : 0);
   }
 
   drawDragon({ frame, benches, visible, inContact, state, show, target }) {

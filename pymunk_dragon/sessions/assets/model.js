@@ -18,8 +18,11 @@ class Model {
     this.energyUnit = si ? "J" : `kg ${this.units}²/s²`;
   }
 
+  // Whether the scene has something that others lack.
   can(ability) {
-    return this.scene.abilities.includes(ability);
+    const dragon = this.benches > 0;
+    const found = { dancers: dragon, contacts: dragon, ghost: dragon, until_contact: !dragon };
+    return { ...found, pointer: this.scene.keys.includes("*") }[ability] ?? true;
   }
 
   // Unit of a quantity that every space has; those of the user's have it in their names.
