@@ -94,6 +94,8 @@ $(FILES:%=$(COMMANDS)/%): $(COMMANDS)/%: FORCE
 # The endings of all files that are made with the first one.
 endings = $(suffix $@)
 $(patsubst %,renders/figures/%.png,$(CHARTS) $(CHARTS_OF_RUN)): endings = .png,.svg
+# A run that is made for a figure has not the endings of the figure.
+$(RUNS:%=renders/%): endings = .npz
 
 $(FILES:%=renders/%): renders/%: $(COMMANDS)/% | $(VENV)/core
 	@echo "making $@"

@@ -92,7 +92,7 @@ ACCESSIBLE = {
     r"<(pre|table)>": r"<\1 tabindex=0>",
 }
 # A picture or a link with a relative address in Markdown, and the text of the link.
-RELATIVE = re.compile(r"(!)?\[(?(1)[^]]*|([^]]*))\]\(renders/[^)]*\)")
+RELATIVE = re.compile(r"(!)?\[(?(1)[^]]*|([^]]*))\]\((?!https?:)[^)]*\)")
 # The type behind `NDArray[np.float64]`.
 ARRAY = re.compile(r"numpy\.ndarray\[tuple\[(?:typing\.)?Any, \.\.\.\], numpy\.dtype\[numpy\.(\w+)\]\]")
 # How Python writes the annotations of parameters.

@@ -26,15 +26,24 @@ from pymunk_dragon.lessons import LESSONS
 RENDERS = ROOT / "renders"
 
 
-def commands():
-    """The arguments that the Makefile passes, without making anything."""
+def made(target, text):
+    """The words of the command with a text that makes a target as in a new clone, without making anything."""
     # The tests may have been started by make, whose options are not for this one.
     alone = {name: value for name, value in os.environ.items() if not name.startswith(("MAKE", "MFLAGS"))}
-    shown = subprocess.run(
-        ["make", "--dry-run", "docs"], cwd=ROOT, env=alone, capture_output=True, text=True, check=True, timeout=60
-    ).stdout
-    [line] = [line for line in shown.splitlines() if "renders/documentation.py renders/docs" in line]
-    return dict(argument.split("=", 1) for argument in shlex.split(line)[3:])
+    command = ["make", "--dry-run", "--always-make", target]
+    shown = subprocess.run(command, cwd=ROOT, env=alone, capture_output=True, text=True, check=True, timeout=60).stdout
+    [line] = [line for line in shown.splitlines() if text in line]
+    return shlex.split(line)
+
+
+def commands():
+    """The arguments that the Makefile passes."""
+    return dict(argument.split("=", 1) for argument in made("docs", "renders/documentation.py renders/docs")[3:])
+
+
+def test_run_of_a_figure_is_not_written_as_pictures():
+    assert made("renders/figures/drift.png", "gallery.py renders/march.npz")[3] == ".npz"
+    assert made("renders/figures/drift.png", "gallery.py renders/figures/drift.png")[3] == ".png,.svg"
 
 
 @pytest.fixture(scope="module")
@@ -127,12 +136,13 @@ def test_pages_fit_the_window_and_request_only_files(browser, site, pages):
 @needs_browser
 def test_search_finds_a_public_name_and_lists_guides_before_attributes(browser, site):
     with opened(browser, (site / "index.html").as_uri()) as seen:
-        seen.page.fill("input[type=search]", "first_contact")
-        wait_until(seen.page, "document.querySelectorAll('main a[href*=\"#first_contact\"]').length > 0")
+        seen.page.fill("input[type=search]", "First contact")
+        wait_until(seen.page, "document.querySelector('.search-result a')?.href.endsWith('#first_contact')")
         seen.page.fill("input[type=search]", "chain")
         wait_until(seen.page, "document.querySelector('.search-result a')?.getAttribute('href') === 'chains.html'")
-        seen.page.fill("input[type=search]", "gap")
-        wait_until(seen.page, "document.querySelector('main').innerText.includes(\"results for 'gap'\")")
+        seen.page.fill("input[type=search]", "lesson")
+        wait_until(seen.page, "document.querySelector('main').innerText.includes(\"results for 'lesson'\")")
+        assert not seen.page.query_selector_all("[href$='.md']")
         assert [text for text in seen.complaints if "Failed" in text] == []
 
 

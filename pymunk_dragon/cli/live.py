@@ -37,7 +37,11 @@ def live(scene: str | None, start: float, replay: str | None, ends: bool, output
         library("aiohttp")
     path = common.destination_of(output, [".json"])
     log = None if replay is None else load_log(replay)
-    session = Session(_source(scene, log) or dragon(common.march(), start=start), log=log)
+    if log is not None:
+        source = planned(log["plan"])
+    else:
+        source = dragon(common.march(), start=start) if own else ready(scene or "dragon")
+    session = Session(source, log=log)
     if ends:
         session.speed = math.inf
         session.start()
@@ -48,13 +52,6 @@ def live(scene: str | None, start: float, replay: str | None, ends: bool, output
         _write(session, path)
     else:
         serve(session, log, path, **address)
-
-
-def _source(scene: str | None, log: Log | None) -> Ready | None:
-    """A ready scene, or that of a recording."""
-    if log is None:
-        return None if scene is None else ready(scene)
-    return planned(log["plan"])
 
 
 def serve(session: Session, log: Log | None, path: Path | None, **address: Any) -> None:
