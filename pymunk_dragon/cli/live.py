@@ -14,7 +14,7 @@ from pymunk_dragon._extras import library
 from pymunk_dragon._files import written_in_place
 from pymunk_dragon._language import text
 from pymunk_dragon.cli import common
-from pymunk_dragon.sessions.ready import SCENES, Ready, dragon, planned, ready
+from pymunk_dragon.sessions.ready import SCENES, dragon, planned, ready
 from pymunk_dragon.sessions.session import Log, Session, load_log
 
 
