@@ -199,8 +199,8 @@ class Session:
                 if is_due:
                     self._step()
                     steps -= 1
-            if not is_due:
-                sleep(_TICK)
+            # At least for a moment: a program that waits for `held` would get it late, or never.
+            sleep(0 if is_due else _TICK)
 
     def _step(self) -> None:
         scene, begin = self.scene, perf_counter()
