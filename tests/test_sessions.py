@@ -203,6 +203,7 @@ def test_scenes_of_lessons_tell_the_calls_of_a_contact_and_the_force_that_drags_
         assert [event.split("   ")[1] for event in on.events] == ["begin", *3 * ["pre_solve", "post_solve"], "separate"]
         assert on.events[2].startswith("impulse 3.29 N s")
     with played("tension") as on:
+        assert "from 1 to 50 ms" in on.do("set", name="step", value=80)
         on.do("set", name="dancers", value=12)
         on.run(10.0)
         assert on.scene.plots()["Force in the first joint (N)"] == pytest.approx(12 * 10 * (1 - 0.5**0.01) / 0.01)
@@ -611,9 +612,14 @@ def test_stop_leaves_no_thread_and_frees_the_port_even_with_clients_and_while_it
                 await client.told("pong")
 
     before = set(threading.enumerate())
-    for way in ("alone", "paused", "with a client"):
+    for way in ("alone", "by its own thread", "paused", "with a client"):
         with served() as session:
             port = urlsplit(session.address).port
+            if way == "by its own thread":
+                # As the action of a button does.
+                stopped = threading.Event()
+                session._session.call(lambda session=session, stopped=stopped: (session.stop(), stopped.set()))
+                assert stopped.wait(PATIENCE)
             if way == "paused":
                 with session.paused():
                     session.stop()

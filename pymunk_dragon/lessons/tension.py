@@ -60,6 +60,8 @@ def follow(space: pymunk.Space, time: float) -> None:
 
 
 sliders = [Slider(name, low, 24, label=name.title(), rebuilds=True) for name, low in [("benches", 2), ("dancers", 0)]]
+# With longer steps, the engine tears the chain apart.
+sliders.append(Slider("step", 1, 50, label="Time step", unit="ms", logarithmic=True))
 plots = {"Force in the first joint (N)": first}
 LIVE: dict[str, Any] = {"step": STEP, "on_step": follow, "controls": sliders, "plots": plots}
 

@@ -29,7 +29,7 @@ class Slider:
         Name, range, and value at the start, by default that of the argument of this name, or of the space.
     rebuilds, action : bool, callable, optional
         Whether a change builds the space again, with the value as the argument `name` of the function; otherwise
-        ``action(space, value)`` is called, or "gravity", "damping" or "iterations" of the space is set.
+        ``action(space, value)`` is called, or "step", ms, "gravity", "damping" or "iterations" is set.
     label, unit, logarithmic, whole : str, str, bool, bool
         Text on the page in place of the name, unit, kind of the scale, and whether values are whole numbers.
 

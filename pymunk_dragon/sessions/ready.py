@@ -23,8 +23,8 @@ from pymunk_dragon.sessions.dragon import DragonScene
 from pymunk_dragon.sessions.scene import Play, Scene
 
 _Values = Mapping[str, float]
-# Properties of a space that a slider without an action may have.
-_PROPERTIES = ("gravity", "damping", "iterations")
+# Properties of a space, and its step, that a slider without an action may have.
+_PROPERTIES = ("step", "gravity", "damping", "iterations")
 
 
 @dataclass(frozen=True, kw_only=True)

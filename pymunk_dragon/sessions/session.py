@@ -105,7 +105,7 @@ class Session:
     def stop(self) -> None:
         """End the thread, and what clients see; a thread that a function of the user's holds ends after it."""
         self._ended.set()
-        if self._thread.is_alive():
+        if self._thread.is_alive() and self._thread is not threading.current_thread():
             self._thread.join(_PATIENCE)
         for client in self.clients:
             client.stop()
