@@ -31,7 +31,7 @@ from pymunk_dragon.lessons import LESSONS
 from pymunk_dragon.model.curves import Line
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
-from pymunk_dragon.sessions import live
+from pymunk_dragon.sessions import Slider, live
 from pymunk_dragon.sessions.ready import add, dragon, ready
 from pymunk_dragon.sessions.session import ACTIONS, load_log
 
@@ -743,6 +743,17 @@ def odd_spaces():
     weightless.add(pymunk.Body())
     motors.add(*wheels, pymunk.SimpleMotor(*wheels, 1.0), pymunk.GrooveJoint(*wheels, (0, 0), (1, 0), (0, 0)))
     return pymunk.Space(), ground, far, weightless, motors
+
+
+def test_sliders_may_have_numbers_of_numpy():
+    async def talk(session):
+        async with joined(session.address) as client:
+            assert (await client.told("scene"))["parameters"][0]["high"] == 9
+            await client.told("state")
+
+    slider = Slider("wind", np.int64(1), np.int64(9), np.int64(3), action=lambda space, value: None)
+    with live(pymunk.Space(), controls=[slider], browser=False) as session:
+        run(talk(session))
 
 
 def test_live_plays_any_space_which_is_touched_and_begins_anew():

@@ -46,9 +46,9 @@ class _Client:
         self._waiting: dict[object, Callable[[], Awaitable[None]]] = {}
 
     def tell(self, message: dict[str, Any]) -> None:
-        """Send a text."""
+        """Send a text, also with numbers of NumPy."""
         role = {} if self.controls or message["kind"] != "scene" else {"role": "watch"}
-        text = json.dumps(message | role, allow_nan=False)
+        text = json.dumps(message | role, allow_nan=False, default=float)
         self._call(self._put, object(), partial(self._connection.send_str, text))
 
     def show(self, frame: bytes) -> None:

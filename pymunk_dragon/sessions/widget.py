@@ -55,8 +55,8 @@ class LiveWidget(AnyWidget):
         self.send({"closed": True})
 
     def tell(self, message: dict[str, Any]) -> None:
-        """Send a text."""
-        self.send({"text": json.dumps(message, allow_nan=False)})
+        """Send a text, also with numbers of NumPy."""
+        self.send({"text": json.dumps(message, allow_nan=False, default=float)})
 
     def show(self, frame: bytes) -> None:
         """Send a frame, unless the page has to draw those before it."""
