@@ -8,8 +8,7 @@ import threading
 import traceback
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from functools import cache, partial
-from html import escape
+from functools import partial
 from pathlib import Path
 from time import perf_counter, sleep
 from typing import Any, get_type_hints
@@ -17,22 +16,16 @@ from typing import Any, get_type_hints
 import numpy as np
 import pymunk
 
-from pymunk_dragon import player
 from pymunk_dragon._arguments import MAX_COORDINATE, finite, whole, word
 from pymunk_dragon._files import read_text
 from pymunk_dragon.drawing.canvas import without_nan
 from pymunk_dragon.errors import DragonError, FileFormatError, ParameterError
 from pymunk_dragon.physics.callbacks import callbacks_raise
-from pymunk_dragon.player.page import catalogue, document
-from pymunk_dragon.reports._html import asset, embedded_json
 from pymunk_dragon.sessions.dragon import DragonScene
 from pymunk_dragon.sessions.ready import SCENES, Ready, planned, ready
 
 # What was done to a scene since it was built, as it is written as JSON: `inputs` with the number of steps before each.
 Log = dict[str, Any]
-# Parts of the script of the page; each uses only those before it.
-_SCRIPTS = ["connection", "model", "force_scale", "shapes", "overlays", "live_paint", "parameters", "live_charts"]
-_SCRIPTS += ["tools", "recorder", "live_show", "live", "live_controls"]
 # Inputs are actions of scenes, which are recorded; all other actions change no motion.
 _INPUTS = "set contacts grab drag drop release hold cut obstacle remove press pointer"
 _HINTS = {name: get_type_hints(getattr(DragonScene, name)) for name in _INPUTS.split()}
@@ -393,17 +386,3 @@ def load_log(path: str | Path) -> Log:
     except Exception as error:  # Whatever it is, the content is to blame.
         raise FileFormatError(path, "no recording of a ready scene or of a march, or a damaged one") from error
     return log
-
-
-@cache
-def live_page(title: str, language: str) -> tuple[str, str]:
-    """The page, which opens in a language, and its content security policy."""
-    return document(
-        asset(__package__, "assets/live.html"),
-        asset(__package__, "assets/live.css"),
-        "".join(asset(__package__, f"assets/{name}.js") for name in _SCRIPTS),
-        "; connect-src 'self'",
-        language=language,
-        title=escape(title),
-        texts=embedded_json({"zh": catalogue(player.__name__, __package__)}),
-    )

@@ -13,7 +13,8 @@ from traitlets import Unicode
 from pymunk_dragon._language import language
 from pymunk_dragon.drawing.debug_draw import still
 from pymunk_dragon.reports._html import asset, data_address
-from pymunk_dragon.sessions.session import Session, live_page
+from pymunk_dragon.sessions.handle import live_page
+from pymunk_dragon.sessions.session import Session
 
 # Frames on the way to the page, at most; the page tells of every third that it has drawn it.
 MOST_FRAMES = 6
