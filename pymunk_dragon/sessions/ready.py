@@ -110,7 +110,7 @@ def add(build: Any, *, name: str, title: str, lesson: str | None = None, plan: A
 
 
 def _scene(name: str, title: str, lesson: str | None = None, **play: Any) -> Callable[[Any], None]:
-    """Return a decorator that adds a scene, which recordings know by its name."""
+    """Return a decorator that adds a scene, whose name stands in recordings."""
     return partial(add, name=name, title=title, lesson=lesson, plan={"scene": name}, **play)
 
 

@@ -88,7 +88,7 @@ class Server:
         # Now, because the thread of the server does not have it.
         self._language = language()
         self._socket = _bound(host, port)
-        # Whether one controls the session with a token. Python hashes texts with a secret: no timing tells of these.
+        # Whether one controls the session with a token. Their hashes have a secret: no timing reveals a token.
         self._tokens = {secrets.token_urlsafe(16): controls for controls in (True, False)}
         name = "127.0.0.1" if host in ("0.0.0.0", "::") else f"[{host}]" if ":" in host else host
         page = f"http://{name}:{self._socket.getsockname()[1]}/?token="

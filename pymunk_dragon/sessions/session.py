@@ -64,7 +64,7 @@ class Session:
         self.running, self.speed, self.generation, self._single_steps = running, 1.0, 0, 0
         # What is to be done between two steps, by keys.
         self._queue: dict[object, Callable[[], object]] = {}
-        # What clients were told last: the scene, its state, and the error by which the session is paused.
+        # What clients were sent last: the scene, its state, and the error by which the session is paused.
         self._description: dict[str, Any] = {}
         self._told: dict[str, Any] | None = None
         self._failure: list[dict[str, Any]] = []
@@ -104,7 +104,7 @@ class Session:
             client.stop()
 
     def join(self, client: Any) -> None:
-        """Have a client get what is told and shown: first the scene, and the error by which it is paused."""
+        """Send a client all messages and frames from now on: first the scene, and the error by which it is paused."""
         with self._sharing:
             self.clients = (*self.clients, client)
             self._told = None
@@ -266,7 +266,7 @@ class Session:
         self._frame_due = max(self._frame_due + _FRAME_TIME, perf_counter())
 
     def _tell_events(self, now: float) -> None:
-        """Tell what happened, but not more than clients can show; the rest is counted."""
+        """Send the events of the last step, but not more than clients can show; the rest is counted."""
         texts = self.scene.events
         if now - self._second >= 1:
             if (i := self._events - _MAX_EVENTS) > 0:
@@ -278,7 +278,7 @@ class Session:
         texts.clear()
 
     def _describe(self) -> None:
-        """Tell clients of the scene, also those that come later."""
+        """Send clients what describes the scene, also those that join later."""
         about = {name: getattr(self.source, name) for name in ("name", "title", "text", "lesson")}
         scenes = [{"name": each.name, "title": each.title} for each in ({self._own.name: self._own} | SCENES).values()]
         session = {"kind": "scene", "role": "control", "generation": self.generation, "scenes": scenes}
@@ -340,7 +340,7 @@ class Session:
         self.generation += 1
         self._end_replay(None)
         self._single_steps, self._failure = 0, []
-        # Events of the old scene that were not told are of no interest.
+        # Events of the old scene that were not sent are not counted.
         self._events = min(self._events, _MAX_EVENTS)
         self._describe()
 
