@@ -15,11 +15,12 @@ from browser import english_words, needs_browser, opened, wait_until
 from live_sessions import PATIENCE, decoded, replayed, served
 
 from pymunk_dragon._language import in_language, texts
+from pymunk_dragon.lessons import LESSONS
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.sessions.controls import Button
 from pymunk_dragon.sessions.handle import source_of
-from pymunk_dragon.sessions.ready import SCENES, dragon
+from pymunk_dragon.sessions.ready import SCENES, add, dragon
 from pymunk_dragon.sessions.scene import Play
 from pymunk_dragon.sessions.session import load_log
 
@@ -269,6 +270,7 @@ def test_page_switches_scenes_and_sets_parameters_without_complaints(browser):
 
 @pytest.mark.parametrize(("program", "link"), [("en", "&lang=zh"), ("zh", "")])
 def test_page_is_chinese_if_the_program_or_the_address_is(browser, program, link):
+    add(**LESSONS["tension"].scene())
     with in_language(program), served("jam") as session, visit(browser, session.address + link) as found:
         page = found.page
         assert page.evaluate("document.documentElement.lang") == "zh"
