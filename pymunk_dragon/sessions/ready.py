@@ -60,7 +60,7 @@ def dragon(march: March, start: float = 0.0) -> Ready:
 
 
 def planned(plan: Mapping[str, Any]) -> Ready:
-    """The scene of a plan."""
+    """The scene that a recording describes by its `plan`."""
     if "scene" in plan:
         return ready(plan["scene"])
     return dragon(Scenario.from_dict(plan["scenario"], files=False).march(), plan["start"])
