@@ -10,6 +10,6 @@ $ pymunk-dragon positions --paper
 
 The second command prints tables 1 to 3 of the paper, all 147 entries, cut after three decimals as the paper cuts them.
 
-Positions, velocities and poses for 224 handles and 301 times take 5.6 ms of a processor, and positions and speeds 13.0
+Positions, velocities and poses for 224 handles and 301 times take 4.0 ms of a processor, and positions and speeds 11.9
 ms by the fastest plain recursion known with NumPy (`python tests/bench/bench.py march`, medians).
 """
