@@ -85,7 +85,7 @@ class Server:
         self._proxies = {name.lower() for name in allow_hosts}
         self._known = {*_LOOPBACK, host.lower(), socket.gethostname().lower(), *self._proxies}
         self._any_address = host not in _LOOPBACK
-        # Now, because the thread of the server does not have it.
+        # Read here, because the thread of the server does not have the language of the caller.
         self._language = language()
         self._socket = _bound(host, port)
         # Whether one controls the session with a token. Their hashes have a secret: no timing reveals a token.
@@ -144,7 +144,7 @@ class Server:
         """What was done so far, as JSON from which the session is played again."""
         found: Future[str] = Future()
         self._session.call(lambda: found.set_result(json.dumps(self._session.log())))
-        # The session may still take it later.
+        # After a timeout the session may still set the result, so the future is not cancelled.
         text = await asyncio.wait_for(asyncio.shield(asyncio.wrap_future(found)), _SAVE_TIME)
         headers = {"Content-Disposition": 'attachment; filename="live.json"'}
         return web.Response(text=text, content_type="application/json", headers=headers)

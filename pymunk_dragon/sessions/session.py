@@ -200,7 +200,7 @@ class Session:
         self._single_steps = max(self._single_steps - 1, 0)
         with self._watched():
             if self._replay is not None:
-                # It goes on after a stop, as the recorded session did.
+                # A replay goes on after a stop, as the recorded session did.
                 next(self._replay, None)
             else:
                 scene.advance()
@@ -242,7 +242,7 @@ class Session:
             failure = _described(error)
             if answer is not None and isinstance(error, DragonError):
                 answer(failure)
-            # Not again in each frame of a session that is paused by it.
+            # An error is sent once, and not again in each frame of a session that it paused.
             elif self._failure != [failure]:
                 self._failure = [failure]
                 self._pause()
