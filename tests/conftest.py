@@ -23,7 +23,7 @@ from pymunk_dragon import Dragon, March, ParameterError, simulate
 from pymunk_dragon.cli import main
 
 # Examples share the machine with whatever else runs there, so none has a time limit of its own. They are the same every
-# time, so that a failure comes from a change; `--hypothesis-profile=explore` throws the dice.
+# time, so that a failure comes from a change; `--hypothesis-profile=explore` draws new ones.
 # A failure is not explained: that traces every line. A worker on Python 3.11 once stood still, probably in it.
 PHASES = set(hypothesis.Phase) - {hypothesis.Phase.explain}
 hypothesis.settings.register_profile("explore", deadline=None, print_blob=True)

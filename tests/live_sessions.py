@@ -86,7 +86,7 @@ class Played:
 
 
 def greeting(on: Played):
-    """What a client is told when it connects."""
+    """What a client is sent when it connects."""
     told: list[object] = []
     on.session.join(listener(told))
     return told[:]
@@ -103,7 +103,7 @@ def played(source: object):
 
 
 def replay_session(log: Log, before: Callable[[Session], object] = lambda session: None):
-    """A session that has begun a replay, as fast as it goes, and what it tells; `before` is called with it first."""
+    """A session that has begun a replay, as fast as it goes, and what it sends; `before` is called with it first."""
     session, told = Session(planned(log["plan"]), log=log), []
     session.join(listener(told))
     before(session)

@@ -83,7 +83,7 @@ def test_places_and_velocities_come_back_as_near_as_the_page_says(run, page):
     np.testing.assert_allclose(found, exact, rtol=0, atol=0.52 * step)
     # A cubic over 0.1 s is off by at most a quarter of that times the error of its velocities.
     assert 0.1 / 4 * step / 2 <= 0.51 * page.payload["handles"]["step"]
-    # Velocities that a run does not know come from its frames.
+    # Velocities that a run does not have come from its frames.
     unknown = Page(player_page(replace(run, pose_velocities=None)))
     np.testing.assert_allclose(page_vectors(unknown, "velocities"), found, rtol=0, atol=1e-2)
 

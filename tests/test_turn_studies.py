@@ -39,7 +39,7 @@ def walked(curve, since, until):
 
 
 def scanned(dragon, curve, begin, end, step):
-    """The largest speed over the head's that looking every `step` m sees, and where the head is then."""
+    """The largest speed over the head's among samples every `step` m, and where the head is then."""
     ways = np.arange(begin, end, step)
     parts = np.array_split(ways, max(1, ways.size // 500))
     seen = np.concatenate([March(dragon, curve).at(part).speeds.max(axis=1) for part in parts])
@@ -83,7 +83,7 @@ def test_shortest_turn_has_five_arcs_and_stays_in_the_circle(answer):
     assert all(arc.radius >= 0.5 for arc in path.pieces[1:-1])
     # Entry and exit are those of the contest's turn.
     assert path.point([0, short.length]) == pytest.approx(answer.turn.tangent_points[[0, 2]], abs=1e-12)
-    # The arcs that are told, laid end to end, come to the exit with its tangent.
+    # The arcs of the answer, laid end to end, come to the exit with its tangent.
     point, heading = (complex(*part) for part in (path.point(0), path.tangent(0)))
     for arc in answer.to_dict()["shortest"]["arcs"]:
         turned = np.exp(1j * arc["curvature"] * arc["length"])

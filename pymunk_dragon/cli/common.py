@@ -98,7 +98,7 @@ def options(*declared: Callable[[F], F]) -> Callable[[F], F]:
     return lambda function: reduce(lambda done, option: option(done), reversed(declared), function)
 
 
-# Those of a server.
+# Options of commands that serve a page.
 address_options = options(
     click.option("--port", type=int, default=0, metavar="N", help="Port.  [a free one]"),
     click.option("--host", default="127.0.0.1", metavar="ADDRESS", help="Address to listen on.  [this machine only]"),

@@ -14,6 +14,7 @@ from pymunk_dragon._extras import library
 from pymunk_dragon._files import written_in_place
 from pymunk_dragon._language import text
 from pymunk_dragon.cli import common
+from pymunk_dragon.sessions.handle import Live
 from pymunk_dragon.sessions.ready import SCENES, dragon, planned, ready
 from pymunk_dragon.sessions.session import Log, Session, load_log
 
@@ -56,9 +57,7 @@ def live(scene: str | None, start: float, replay: str | None, ends: bool, output
 
 def serve(session: Session, log: Log | None, path: Path | None, **address: Any) -> None:
     """Show a session on a page until it ends, and write what was recorded, also where it was interrupted."""
-    from pymunk_dragon.sessions import handle
-
-    running = handle.Live(session, **address)
+    running = Live(session, **address)
     try:
         if address["host"] not in ("127.0.0.1", "localhost", "::1"):
             click.echo(text("Anybody who can reach this address and knows it can control the session:"), err=True)

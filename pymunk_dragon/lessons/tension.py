@@ -73,7 +73,7 @@ for name, kept, dancers in [("on the ground", KEPT, 0), ("with 12 dancers", KEPT
     space.damping = kept
     for _ in range(1000):
         space.step(STEP)
-    # Pymunk tells impulses, in N s, of a whole step.
+    # Pymunk gives impulses, in N s, of a whole step.
     force = [joint.impulse / STEP for joint in space.constraints]
     plt.plot(force, "o", label=name)
     print(f"{name:15}" + "".join(f"   joint {joint:2d}: {force[joint]:5.1f} N" for joint in (0, 1, 12, 23)))

@@ -34,7 +34,7 @@ def callbacks_raise() -> Iterator[None]:
     Pymunk calls back from C, where Python would only print an exception.
     """
     if sys.unraisablehook is not _collect:
-        # It stays, as other threads may be in this context too.
+        # The hook stays, as other threads may be in this context too.
         _BEFORE[0], sys.unraisablehook = sys.unraisablehook, _collect
     errors = _CAUGHT.errors = []
     try:

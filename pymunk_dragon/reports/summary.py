@@ -141,7 +141,7 @@ def json_values(value: Any) -> Any:
 
 
 def _plain(value: Any) -> Any:
-    """A value that JSON does not know, in terms of values that it knows."""
+    """A value of a type that JSON does not have, as one that it has."""
     if isinstance(value, np.ndarray | np.generic):
         return value.tolist()
     return vars(value) if is_dataclass(value) else str(value)

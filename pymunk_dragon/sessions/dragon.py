@@ -96,7 +96,7 @@ class DragonScene(Scene):
         world.read()
 
     def _touch(self, arbiter: pymunk.Arbiter, space: pymunk.Space, solved: bool) -> None:
-        """Note a contact of this step, tell of it if it begins, and stop at it if contacts do so."""
+        """Record a contact of this step; one that begins is an event, and stops the session if `contacts` says so."""
         if not solved:
             arbiter.process_collision = self._contacts_do == "resolve" and not self.world.returning
             if arbiter.process_collision:

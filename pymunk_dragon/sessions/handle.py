@@ -1,4 +1,4 @@
-"""`live`: a session from Python, a notebook, or the command line."""
+"""`live`: a session from Python, a notebook, or the command line; and its page."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import sys
 import webbrowser
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
-from functools import cached_property
+from functools import cache, cached_property
 from html import escape
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
@@ -17,6 +17,8 @@ from pymunk_dragon._arguments import finite
 from pymunk_dragon._extras import library
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March
+from pymunk_dragon.player.page import catalogue, document
+from pymunk_dragon.reports._html import asset, embedded_json
 from pymunk_dragon.sessions.controls import Button, Key, PygameEvents, Slider
 from pymunk_dragon.sessions.ready import Ready, dragon, program, ready
 from pymunk_dragon.sessions.scene import Play
@@ -25,6 +27,9 @@ from pymunk_dragon.sessions.session import MAX_STEP, Session
 if TYPE_CHECKING:
     from pymunk_dragon.sessions.server import Server
 
+# Parts of the script of the page; each uses only those before it.
+_SCRIPTS = ["connection", "model", "force_scale", "shapes", "overlays", "live_paint", "parameters", "live_charts"]
+_SCRIPTS += ["tools", "recorder", "live_show", "live", "live_controls"]
 # What `reset` puts back in a space that no function builds. The angle comes first: Pymunk finds the position of a body
 # from that of its centre of mass, with the angle.
 _KEPT = ("angle", "position", "velocity", "angular_velocity", "force", "torque", "gravity", "damping", "iterations")
@@ -173,6 +178,20 @@ def source_of(what: object, play: Play) -> Ready:
     if not callable(what):
         raise ParameterError("what", what, "a March, a pymunk.Space, a function that returns one, or a scene's name")
     return program(what, play)
+
+
+@cache
+def live_page(title: str, language: str) -> tuple[str, str]:
+    """Return the page, which opens in a language, and its content security policy."""
+    return document(
+        asset(__package__, "assets/live.html"),
+        asset(__package__, "assets/live.css"),
+        "".join(asset(__package__, f"assets/{name}.js") for name in _SCRIPTS),
+        "; connect-src 'self'",
+        language=language,
+        title=escape(title),
+        texts=embedded_json({"zh": catalogue("pymunk_dragon.player", __package__)}),
+    )
 
 
 def _states(space: pymunk.Space) -> Iterator[pymunk.Space]:

@@ -60,7 +60,7 @@ def dragon(march: March, start: float = 0.0) -> Ready:
 
 
 def planned(plan: Mapping[str, Any]) -> Ready:
-    """The scene of a plan."""
+    """The scene that a recording describes by its `plan`."""
     if "scene" in plan:
         return ready(plan["scene"])
     return dragon(Scenario.from_dict(plan["scenario"], files=False).march(), plan["start"])
@@ -110,7 +110,7 @@ def add(build: Any, *, name: str, title: str, lesson: str | None = None, plan: A
 
 
 def _scene(name: str, title: str, lesson: str | None = None, **play: Any) -> Callable[[Any], None]:
-    """Return a decorator that adds a scene, which recordings know by its name."""
+    """Return a decorator that adds a scene, whose name stands in recordings."""
     return partial(add, name=name, title=title, lesson=lesson, plan={"scene": name}, **play)
 
 

@@ -22,7 +22,8 @@ from aiohttp.typedefs import Handler
 from pymunk_dragon._arguments import whole
 from pymunk_dragon._language import language
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.sessions.session import Session, live_page
+from pymunk_dragon.sessions.handle import live_page
+from pymunk_dragon.sessions.session import Session
 
 # Messages of a client in a second: the others wait, and a client of which so many had to wait is disconnected.
 _MOST_MESSAGES, _MOST_DELAYED = 500, 5000
@@ -84,10 +85,10 @@ class Server:
         self._proxies = {name.lower() for name in allow_hosts}
         self._known = {*_LOOPBACK, host.lower(), socket.gethostname().lower(), *self._proxies}
         self._any_address = host not in _LOOPBACK
-        # Now, because the thread of the server does not have it.
+        # Read here, because the thread of the server does not have the language of the caller.
         self._language = language()
         self._socket = _bound(host, port)
-        # Whether one controls the session with a token. Python hashes texts with a secret: no timing tells of these.
+        # Whether one controls the session with a token. Their hashes have a secret: no timing reveals a token.
         self._tokens = {secrets.token_urlsafe(16): controls for controls in (True, False)}
         name = "127.0.0.1" if host in ("0.0.0.0", "::") else f"[{host}]" if ":" in host else host
         page = f"http://{name}:{self._socket.getsockname()[1]}/?token="
@@ -143,7 +144,7 @@ class Server:
         """What was done so far, as JSON from which the session is played again."""
         found: Future[str] = Future()
         self._session.call(lambda: found.set_result(json.dumps(self._session.log())))
-        # The session may still take it later.
+        # After a timeout the session may still set the result, so the future is not cancelled.
         text = await asyncio.wait_for(asyncio.shield(asyncio.wrap_future(found)), _SAVE_TIME)
         headers = {"Content-Disposition": 'attachment; filename="live.json"'}
         return web.Response(text=text, content_type="application/json", headers=headers)

@@ -8,8 +8,7 @@ import threading
 import traceback
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from functools import cache, partial
-from html import escape
+from functools import partial
 from pathlib import Path
 from time import perf_counter, sleep
 from typing import Any, get_type_hints
@@ -17,22 +16,16 @@ from typing import Any, get_type_hints
 import numpy as np
 import pymunk
 
-from pymunk_dragon import player
 from pymunk_dragon._arguments import MAX_COORDINATE, finite, whole, word
 from pymunk_dragon._files import read_text
 from pymunk_dragon.drawing.canvas import without_nan
 from pymunk_dragon.errors import DragonError, FileFormatError, ParameterError
 from pymunk_dragon.physics.callbacks import callbacks_raise
-from pymunk_dragon.player.page import catalogue, document
-from pymunk_dragon.reports._html import asset, embedded_json
 from pymunk_dragon.sessions.dragon import DragonScene
 from pymunk_dragon.sessions.ready import SCENES, Ready, planned, ready
 
 # What was done to a scene since it was built, as it is written as JSON: `inputs` with the number of steps before each.
 Log = dict[str, Any]
-# Parts of the script of the page; each uses only those before it.
-_SCRIPTS = ["connection", "model", "force_scale", "shapes", "overlays", "live_paint", "parameters", "live_charts"]
-_SCRIPTS += ["tools", "recorder", "live_show", "live", "live_controls"]
 # Inputs are actions of scenes, which are recorded; all other actions change no motion.
 _INPUTS = "set contacts grab drag drop release hold cut obstacle remove press pointer"
 _HINTS = {name: get_type_hints(getattr(DragonScene, name)) for name in _INPUTS.split()}
@@ -71,7 +64,7 @@ class Session:
         self.running, self.speed, self.generation, self._single_steps = running, 1.0, 0, 0
         # What is to be done between two steps, by keys.
         self._queue: dict[object, Callable[[], object]] = {}
-        # What clients were told last: the scene, its state, and the error by which the session is paused.
+        # What clients were sent last: the scene, its state, and the error by which the session is paused.
         self._description: dict[str, Any] = {}
         self._told: dict[str, Any] | None = None
         self._failure: list[dict[str, Any]] = []
@@ -111,7 +104,7 @@ class Session:
             client.stop()
 
     def join(self, client: Any) -> None:
-        """Have a client get what is told and shown: first the scene, and the error by which it is paused."""
+        """Send a client all messages and frames from now on: first the scene, and the error by which it is paused."""
         with self._sharing:
             self.clients = (*self.clients, client)
             self._told = None
@@ -207,7 +200,7 @@ class Session:
         self._single_steps = max(self._single_steps - 1, 0)
         with self._watched():
             if self._replay is not None:
-                # It goes on after a stop, as the recorded session did.
+                # A replay goes on after a stop, as the recorded session did.
                 next(self._replay, None)
             else:
                 scene.advance()
@@ -249,7 +242,7 @@ class Session:
             failure = _described(error)
             if answer is not None and isinstance(error, DragonError):
                 answer(failure)
-            # Not again in each frame of a session that is paused by it.
+            # An error is sent once, and not again in each frame of a session that it paused.
             elif self._failure != [failure]:
                 self._failure = [failure]
                 self._pause()
@@ -273,7 +266,7 @@ class Session:
         self._frame_due = max(self._frame_due + _FRAME_TIME, perf_counter())
 
     def _tell_events(self, now: float) -> None:
-        """Tell what happened, but not more than clients can show; the rest is counted."""
+        """Send the events of the last step, but not more than clients can show; the rest is counted."""
         texts = self.scene.events
         if now - self._second >= 1:
             if (i := self._events - _MAX_EVENTS) > 0:
@@ -285,7 +278,7 @@ class Session:
         texts.clear()
 
     def _describe(self) -> None:
-        """Tell clients of the scene, also those that come later."""
+        """Send clients what describes the scene, also those that join later."""
         about = {name: getattr(self.source, name) for name in ("name", "title", "text", "lesson")}
         scenes = [{"name": each.name, "title": each.title} for each in ({self._own.name: self._own} | SCENES).values()]
         session = {"kind": "scene", "role": "control", "generation": self.generation, "scenes": scenes}
@@ -347,7 +340,7 @@ class Session:
         self.generation += 1
         self._end_replay(None)
         self._single_steps, self._failure = 0, []
-        # Events of the old scene that were not told are of no interest.
+        # Events of the old scene that were not sent are not counted.
         self._events = min(self._events, _MAX_EVENTS)
         self._describe()
 
@@ -393,17 +386,3 @@ def load_log(path: str | Path) -> Log:
     except Exception as error:  # Whatever it is, the content is to blame.
         raise FileFormatError(path, "no recording of a ready scene or of a march, or a damaged one") from error
     return log
-
-
-@cache
-def live_page(title: str, language: str) -> tuple[str, str]:
-    """The page, which opens in a language, and its content security policy."""
-    return document(
-        asset(__package__, "assets/live.html"),
-        asset(__package__, "assets/live.css"),
-        "".join(asset(__package__, f"assets/{name}.js") for name in _SCRIPTS),
-        "; connect-src 'self'",
-        language=language,
-        title=escape(title),
-        texts=embedded_json({"zh": catalogue(player.__name__, __package__)}),
-    )

@@ -13,11 +13,12 @@ from traitlets import Unicode
 from pymunk_dragon._language import language
 from pymunk_dragon.drawing.debug_draw import still
 from pymunk_dragon.reports._html import asset, data_address
-from pymunk_dragon.sessions.session import Session, live_page
+from pymunk_dragon.sessions.handle import live_page
+from pymunk_dragon.sessions.session import Session
 
-# Frames on the way to the page, at most; the page tells of every third that it has drawn it.
+# Frames on the way to the page, at most; the page acknowledges every third one.
 MOST_FRAMES = 6
-# s without a message, of which the page sends one every 5 s, after which nothing is sent: notebooks keep it unbounded.
+# s without a message, of which the page sends one every 5 s, after which nothing is sent: queues have no bound.
 SILENCE = 15.0
 
 

@@ -42,7 +42,7 @@ The contest's own sheets are written by `positions --times 0:300:1 -o result1.xl
   on the ratio of their radii. More arcs make the turn shorter. `study u-turn`, without `--no-search`, searches turns
   on five arcs by sequential linear programming with SciPy (`pip install 'pymunk-dragon[studies]'`), such that no handle
   goes faster, relative to the head, than on the contest's own turn; these speeds are sampled every 1.2 mm of the head's
-  way. The first contact of the result is certified. The problem is not convex: the result, 10.4947 m if no radius is
+  travel. The first contact of the result is certified. The problem is not convex: the result, 10.4947 m if no radius is
   below 0.5 m, is the best turn that was found, and no proof shows that there is no shorter one. The straight line
   across is 9 m.
 - **The largest speed.** Branch and bound over the distance of the head, with derivatives from interval arithmetic: no

@@ -50,7 +50,7 @@ _RELATIVE_TOLERANCE, _EQUAL, ROUNDING = 1e-11, 1e-10, 1e-13
 _RIGHT_ANGLE = np.pi / 2
 # Least cosine in a quotient: a smaller one belongs to an angle that may reach a right angle.
 _MIN_COSINE = 1e-12
-# Of the figure: m of the head's way before and after the limit, samples in between, and foremost handles drawn.
+# Of the figure: m that the head travels before and after the limit, samples in between, and foremost handles drawn.
 _BEFORE, _AFTER, _SAMPLES, _DRAWN_HANDLES = 9.0, 12.0, 1600, 12
 
 

@@ -73,7 +73,7 @@ class MarchedTurn:
     contact : FirstContact
         Certified first contact while the head travels from 100 m before the entry of the circle to 100 m after it.
     ratio : float
-        Largest ratio of a handle's speed to the head's, sampled on the head's way through the turn, in the contest's
+        Largest ratio of a handle's speed to the head's, sampled while the head goes through the turn, in the contest's
         every 1.2 mm.
     """
 

@@ -2,7 +2,7 @@
 
 const CELL_SLACK = 1e-8; // cells: margin around a bench, as in the package's grid; rounding never loses a cell
 
-// Poses as columns, with cosines and sines; `poseOf` tells x, y and angle of a body.
+// Poses as columns, with cosines and sines; `poseOf` returns x, y and angle of a body.
 function posesFrom(count, poseOf) {
   const poses = { x: [], y: [], angle: [], cos: [], sin: [] };
   for (let i = 0; i < count; i++) {

@@ -4,7 +4,7 @@ const TAP_SLIP = 6; // pixels: largest movement during a tap
 const WHEEL_ZOOM = 0.0016; // exponent of the zoom per pixel of the wheel
 const WHEEL_LINE = 16; // pixels: a line of wheels that count lines
 
-// `taken` tells whether a pointer that goes down takes hold of something; its movements are then `carried` instead of
+// `taken` returns whether a pointer that goes down takes hold of something; its movements are then `carried` instead of
 // panning the view, until it is `dropped`.
 function listenToPointers(canvas, view, { moved, hovered, tapped, taken = () => false, carried, dropped }) {
   const down = new Map();

@@ -57,8 +57,8 @@ class Stage {
   }
 }
 
-// Connect the controls that both pages have. A page adds buttons and keys with their actions, and `takes`, which tells
-// of an event of the keyboard whether it needs no more.
+// Connect the controls that both pages have. A page adds buttons and keys with their actions, and `takes`, which
+// returns whether an event of the keyboard is handled already.
 function connectStage(stage, { buttons, keys, pointers, takes }) {
   const actions = {
     "zoom-in": () => stage.zoom(ZOOM_STEP),

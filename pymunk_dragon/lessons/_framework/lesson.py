@@ -104,7 +104,7 @@ class Lesson:
         return "view" in self.options
 
     def scene(self) -> dict[str, Any]:
-        """What the first cell builds: its function, what the page tells of it, and how it is played."""
+        """What the first cell builds: its function, its texts on the page, and how it is played."""
         found: dict[str, Any] = {}
         exec(self.cells[0], found)
         about = {"name": self.options["scene"], "title": self.texts["Title"], "lesson": self.name}

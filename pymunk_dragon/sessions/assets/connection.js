@@ -6,7 +6,7 @@ const DELAY_GROWTH = 1.6; // times, from one attempt to the next
 const PING_EVERY = 5000; // ms
 const SILENCE = 15000; // ms without a message after which the connection counts as lost
 
-const TOLD_FRAME = 3; // every so many frames Python is told that they are drawn; it sends twice as many before
+const TOLD_FRAME = 3; // each so many frames are acknowledged when they are drawn; Python sends twice as many before
 const IN_WIDGET = location.href.startsWith("about:srcdoc"); // this is the frame of a notebook's widget
 
 // Takes the place of a WebSocket there: the widget passes on what is posted.

@@ -65,7 +65,7 @@ class Tools {
 
   // ---- holding a body
 
-  // Take hold of the body at a pixel; tells whether there is one.
+  // Take hold of the body at a pixel; returns whether there is one.
   take(pixel, kind) {
     const { live } = this;
     if (this.chosen === "program" && live.controls) {

@@ -180,7 +180,7 @@ function splineCubics(values, h) {
   ]);
 }
 
-// Benches as geometry.js wants them; by default the contest's dragon.
+// Benches as geometry.js takes them; by default the contest's dragon.
 function makeDragon({ benches = 223, head = 2.86, body = 1.65, overhang = 0.275, width = 0.3 } = {}) {
   const spacings = Array.from({ length: benches }, (_, i) => (i === 0 ? head : body[i - 1] ?? body));
   const widths = spacings.map((_, i) => width[i] ?? width);
