@@ -714,6 +714,7 @@ def test_recording_that_is_tampered_with_or_none_is_refused_in_one_line(call, tm
         (1, {"inputs": [enormous, *log["inputs"]]}),
         (2, {"inputs": [[0, {"do": "drag", "x": math.nan, "y": 0.0}]]}),
         (2, {"values": {"rows": math.inf}}),
+        (2, {"poses": [[math.nan, 0, 0], *log["poses"][1:]]}),
         (2, {"inputs": [*log["inputs"], [3, {"do": "quit"}]]}),
         (2, {"plan": {"scene": "x"}}),
         (2, {"plan": 7}),

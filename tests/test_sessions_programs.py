@@ -108,6 +108,8 @@ def test_controls_and_functions_that_cannot_work_are_refused():
         (build, {"controls": [Slider("colour", 0, 1, rebuilds=True)]}),
         (build, {"controls": [Slider("links", 4, 9, rebuilds=True)]}),
         (build, {"step": math.nan}),
+        (build, {"host": None}),
+        (build, {"allow_hosts": "example.org"}),
         (lambda: 3, {}),
         (3, {}),
     ):

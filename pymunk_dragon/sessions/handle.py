@@ -160,6 +160,8 @@ def live(
     ...     print(session.address.partition(":")[0])
     http
     """
+    if isinstance(allow_hosts, str) or not all(isinstance(name, str) for name in (host, *allow_hosts)):
+        raise ParameterError("host, allow_hosts", (host, allow_hosts), "a name, and a sequence of names")
     length = None if step is None else finite("step", step, 1e-6, MAX_STEP, "s")
     seen: Any = {"plots": plots or {}, "events": events, "y_down": y_down, "units": units}
     play = Play(step=length, on_step=on_step, controls=controls, **seen)

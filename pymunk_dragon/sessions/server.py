@@ -88,7 +88,7 @@ class Server:
         # Read here, because the thread of the server does not have the language of the caller.
         self._language = language()
         self._socket = _bound(host, port)
-        # Whether one controls the session with a token. Their hashes have a secret: no timing reveals a token.
+        # Whether one controls the session with a token.
         self._tokens = {secrets.token_urlsafe(16): controls for controls in (True, False)}
         name = "127.0.0.1" if host in ("0.0.0.0", "::") else f"[{host}]" if ":" in host else host
         page = f"http://{name}:{self._socket.getsockname()[1]}/?token="
@@ -130,9 +130,15 @@ class Server:
             is_known = name in self._known or (self._any_address and bool(ipaddress.ip_address(name)))
             # A proxy with an allowed name may replace the host, but not the origin.
             is_known &= page.netloc == host or page.hostname in self._proxies
-        if not is_known or request.query.get("token") not in self._tokens:
+        if not is_known or self._controls(request) is None:
             raise web.HTTPForbidden(text="Open the address that was printed; behind a proxy, see --allow-host.\n")
         return await handler(request)
+
+    def _controls(self, request: web.Request) -> bool | None:
+        """Whether a request may control the session; None without a token. The time taken reveals no token."""
+        given = request.query.get("token", "").encode()
+        found = [may for token, may in self._tokens.items() if secrets.compare_digest(given, token.encode())]
+        return found[0] if found else None
 
     async def _page(self, request: web.Request) -> web.Response:
         if self._front is not None and request.path == "/":
@@ -150,7 +156,7 @@ class Server:
         return web.Response(text=text, content_type="application/json", headers=headers)
 
     async def _connect(self, request: web.Request) -> web.StreamResponse:
-        controls = self._tokens[request.query["token"]]
+        controls = bool(self._controls(request))
         others = [each.controls for each in self._session.clients]
         if len(others) >= _MAX_CLIENTS or (others.count(False) >= _MAX_WATCHERS and not controls):
             raise web.HTTPServiceUnavailable(text="There are too many clients.\n")

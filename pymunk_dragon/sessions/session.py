@@ -382,7 +382,8 @@ def load_log(path: str | Path) -> Log:
             checked(message, INPUTS)
         for name, value in log["values"].items():
             finite(name, value, -math.inf, math.inf, "")
-        np.array(log["poses"], dtype=float).reshape(len(log["poses"]), 3)
+        if not np.isfinite(np.array(log["poses"], dtype=float).reshape(len(log["poses"]), 3)).all():
+            raise ValueError("a pose is not finite")
     except Exception as error:  # Whatever it is, the content is to blame.
         raise FileFormatError(path, "no recording of a ready scene or of a march, or a damaged one") from error
     return log
