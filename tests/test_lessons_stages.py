@@ -420,6 +420,11 @@ def test_robot_says_whether_the_arm_follows_a_path(visit, drawn):
             x, y = box["x"] + 30, box["y"] + 0.75 * box["height"]
             page.mouse.move(x, y)
             page.mouse.down()
+            page.mouse.move(x + 40, y)
+            page.mouse.up()
+            assert "too short" in readout(page)
+            page.mouse.move(x, y)
+            page.mouse.down()
             for share in np.linspace(0, 1, 60):
                 page.mouse.move(x + 660 * share, y - 150 * np.sin(4 * share) ** 2)
             page.mouse.up()

@@ -14,7 +14,7 @@ stages.robot = (lab) => {
     [-1.9, 0], [-1.6, 0], [-1.3, 0], [-1, 0], [-0.75, 0.08], [-0.5, 0.25], [-0.25, 0.3], [-0.03, 0.15],
     [0.1, -0.1], [0.32, -0.25], [0.55, -0.15], [0.6, 0.1], [0.42, 0.28], [0.2, 0.22], [0.05, 0.05], [-0.1, -0.1],
   ];
-  let path, begin, stop, hit, total, drawn, chain;
+  let path, begin, stop, hit, total, drawn, chain, tooShort = false;
 
   // The arm with its tip at a coordinate: the smallest gap between two links, and which. It is -1 where a joint has no
   // place on the path, or would go back.
@@ -58,16 +58,18 @@ stages.robot = (lab) => {
     drawn = ended ? null : line;
     const kept = line.slice(0, 1);
     for (const [x, y] of line) if (Math.hypot(x - kept.at(-1)[0], y - kept.at(-1)[1]) >= apart) kept.push([x, y]);
-    if (ended && kept.length >= 4) [points, path, time.value] = [kept.slice(0, most), null, 0];
+    tooShort = ended && kept.length < 4;
+    if (ended && !tooShort) [points, path, time.value] = [kept.slice(0, most), null, 0];
   });
   for (let i = 0; i < most; i++) {
     lab.knob([`Point ${i + 1} of the path: drag it`, `路线的第 ${i + 1} 个点：拖动`], {
       small: true, step: 0.02,
       at: () => points[i] ?? [NaN, NaN],
-      moved: (point) => { [points[i], path] = [point, null]; },
+      moved: (point) => { [points[i], path, tooShort] = [point, null, false]; },
     });
   }
   lab.readout = () => {
+    if (tooShort) return ["The line that you drew is too short for a path.", "画出的线太短，不能作为路线。"];
     if (Number.isNaN(begin)) return ["The arm does not fit on this path.", "这条路线放不下机械臂。"];
     const speeds = chain.ratios.map((each) => speed * Math.abs(each)), at = total.toFixed(3);
     const [low, high] = [Math.min(...speeds), Math.max(...speeds)].map((each) => each.toFixed(3));
