@@ -28,8 +28,7 @@ function formatError(metres, error) {
 function benchNumbers(benches, bench, time) {
   const { motion, poses } = benches;
   const velocities = motion.velocitiesOf(poses);
-  const degrees = (360 * poses.angle[bench]) / TURN;
-  const other = benches.nearest(bench);
+  const degrees = (360 * poses.angle[bench]) / TURN, other = benches.nearest(bench);
   return {
     bench,
     part: bench === 0 ? localized("head") : bench === motion.benches - 1 ? localized("tail") : localized("body"),

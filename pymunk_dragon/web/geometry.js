@@ -119,8 +119,7 @@ class Benches {
     for (let row = Math.floor(v - reachV); row <= Math.floor(v + reachV); row++) {
       for (let column = Math.floor(u - reachU); column <= Math.floor(u + reachU); column++) {
         // The ranges of rows and columns cover the cell's axes; the bench's axes remain to be tested.
-        const du = column + 0.5 - u, dv = row + 0.5 - v;
-        const half = (c + s) / 2 + CELL_SLACK;
+        const du = column + 0.5 - u, dv = row + 0.5 - v, half = (c + s) / 2 + CELL_SLACK;
         if (Math.abs(du * cos[i] - dv * sin[i]) <= along + half
           && Math.abs(du * sin[i] + dv * cos[i]) <= across + half) cells.push([row, column]);
       }

@@ -57,8 +57,7 @@ function addArrow(path, [px, py], dx, dy) {
 // Numbers in the benches.
 function drawNumbers(painter, benches, visible, inContact) {
   const { context, colours, motion, view } = painter;
-  const { x, y, angle } = benches.poses;
-  const thickness = motion.narrowest * view.scale;
+  const { x, y, angle } = benches.poses, thickness = motion.narrowest * view.scale;
   context.textAlign = "center";
   context.textBaseline = "middle";
   if (thickness < NUMBERED_BENCH) {

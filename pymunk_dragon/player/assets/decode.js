@@ -13,9 +13,7 @@ async function inflate(base64) {
 // Vectors as counts of steps from an origin, by frame, point and component.
 async function unpack({ frames, points, origin, step, order }, base64) {
   const bytes = await inflate(base64);
-  const tracks = 2 * points;
-  const total = frames * tracks;
-  const counts = new Int32Array(total);
+  const tracks = 2 * points, total = frames * tracks, counts = new Int32Array(total);
   for (let track = 0; track < tracks; track++) {
     // Differences of every order, the highest first; the last entry is the count.
     const sums = new Int32Array(order + 1);

@@ -102,8 +102,7 @@ class Motion {
   between(time) {
     const last = this.times.length - 1;
     const after = Math.min(Math.max(this.frameFrom(time), Math.min(1, last)), last);
-    const before = Math.max(after - 1, 0);
-    const interval = this.times[after] - this.times[before];
+    const before = Math.max(after - 1, 0), interval = this.times[after] - this.times[before];
     const share = Math.min(Math.max((time - this.times[before]) / (interval || 1), 0), 1);
     return { before, after, interval, share };
   }

@@ -7,8 +7,7 @@ const LINE_OPACITY = 0.28; // of lines, as in the films
 
 function drawGrid(painter, benches, visible) {
   const { context, colours, view, payload } = painter;
-  const { cell, origin } = payload.grid;
-  const size = cell * view.scale;
+  const { cell, origin } = payload.grid, size = cell * view.scale;
   if (size < SMALLEST_CELL) return;
   const corner = (row, column) => view.toScreen(origin[0] + column * cell, origin[1] - row * cell);
   const covered = new Path2D();

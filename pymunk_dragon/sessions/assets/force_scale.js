@@ -57,11 +57,8 @@ function powerText(power) {
 
 const superscript = (number) => [...String(number)].map((digit) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[digit] ?? "⁻").join("");
 
-const LEGEND_LEFT = 14; // pixels from the left side
-const LEGEND_BOTTOM = 14; // pixels from the lower side
-const LEGEND_WIDTH = 168; // pixels
-const LEGEND_ROOM = 50; // pixels: height of the legend, below the scale bar
-const LEGEND_HEIGHT = 9; // pixels
+// Pixels: distances of the legend from the left and the lower side, its width, its height, and its room below the bar.
+const LEGEND_LEFT = 14, LEGEND_BOTTOM = 14, LEGEND_WIDTH = 168, LEGEND_HEIGHT = 9, LEGEND_ROOM = 50;
 const BAR_LONGEST = 110; // pixels: longest scale bar
 
 function drawLegend(painter) {

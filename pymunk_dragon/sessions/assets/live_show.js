@@ -4,8 +4,7 @@ const SPEEDS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20]; // simulated over real time
 
 // An event or an error of the server, whose numbers are fields {i}, {j}, ... of a text.
 function translatedNumbers(text) {
-  const numbers = text.match(/\d+/g) ?? [];
-  const names = "ijk";
+  const numbers = text.match(/\d+/g) ?? [], names = "ijk";
   let k = 0;
   const template = translated(text.replace(/\d+/g, () => `{${names[k++]}}`));
   return fill(template, Object.fromEntries(numbers.map((number, n) => [names[n], number])));

@@ -22,8 +22,7 @@ function drawForces({ context, view, colours, forceScale }, joints) {
   for (const { ends: [one, two], force } of joints) {
     const x = (one[0] + two[0]) / 2, y = (one[1] + two[1]) / 2;
     if (!(force >= 0) || !view.isVisible(x, y, 0)) continue;
-    const share = forceScale.share(force);
-    const shade = Math.round(share * (SHADES - 1));
+    const share = forceScale.share(force), shade = Math.round(share * (SHADES - 1));
     if (!paths.has(shade)) paths.set(shade, new Path2D());
     const radius = SMALLEST_DISC + DISC_GROWTH * share;
     const [px, py] = view.toScreen(x, y);
@@ -93,8 +92,7 @@ function drawHeld({ context, view, colours }, { anchor, target }) {
 
 // A cross at the point where keys apply the tool.
 function drawAim({ context, view, colours }) {
-  const px = view.width / 2, py = view.height / 2;
-  const path = new Path2D();
+  const px = view.width / 2, py = view.height / 2, path = new Path2D();
   for (const [dx, dy] of [[1, 0], [-1, 0], [0, 1], [0, -1]]) {
     path.moveTo(px + 4 * dx, py + 4 * dy);
     path.lineTo(px + 14 * dx, py + 14 * dy);

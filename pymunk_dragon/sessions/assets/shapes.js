@@ -43,8 +43,7 @@ function shapePath(view, { points, radius }) {
 
 // Whether any of a call may be visible.
 function isCallVisible(view, { kind, points, radius }) {
-  const reach = kind === "dot" ? 0 : radius;
-  const [[x, y]] = points;
+  const reach = kind === "dot" ? 0 : radius, [[x, y]] = points;
   let size = 0;
   for (const [px, py] of points) size = Math.max(size, Math.abs(px - x), Math.abs(py - y));
   return view.isVisible(x, y, reach + size);
