@@ -161,7 +161,7 @@ def read_until(stream, pattern):
 @pytest.fixture
 def terminal():
     """Call the program in a terminal: what the terminal shows, with exit code 0."""
-    pty = pytest.importorskip("pty")
+    pty = pytest.importorskip("pty", reason="needs a terminal of Linux or macOS")
 
     def called(*arguments):
         mine, theirs = pty.openpty()

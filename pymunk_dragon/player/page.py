@@ -130,10 +130,10 @@ def catalogue(*packages: str) -> dict[str, str]:
 
 
 def colour_variables() -> str:
-    """Style that defines each colour as `--canvas-...`, by the scheme that the reader prefers."""
+    """Style that defines the colours of all pages, and those of pictures as `--canvas-...`, light and dark."""
     both = zip(asdict(COLOURS).items(), asdict(DARK).values(), strict=True)
     colours = "".join(f" --canvas-{name}: light-dark({light}, {dark});" for (name, light), dark in both)
-    return f":root {{{colours} }}\n"
+    return asset("pymunk_dragon", "web/colours.css") + f":root {{{colours} }}\n"
 
 
 def _texts_of(summary: Summary, code: str) -> list[str]:

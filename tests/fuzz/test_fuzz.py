@@ -234,6 +234,7 @@ def outcome(arguments):
     signal.setitimer(signal.ITIMER_VIRTUAL, MAX_SECONDS)
     try:
         with redirect_stdout(out), redirect_stderr(err), warnings.catch_warnings(action="error"):
+            # As in a process of its own, in which Python hides the deprecations of libraries.
             warnings.filterwarnings("ignore", category=DeprecationWarning)
             code = status(arguments)
     finally:

@@ -34,7 +34,7 @@ class Block(NamedTuple):
     @property
     def choices(self) -> list[str]:
         """The choices: what stands before the colon."""
-        return [re.split("[:：]", item)[0].strip("*") for item in self.items]  # noqa: RUF001  # That of Chinese.
+        return [re.split("[:：]", item)[0].strip("*") for item in self.items]  # noqa: RUF001  # A Chinese colon.
 
     @property
     def right(self) -> int:

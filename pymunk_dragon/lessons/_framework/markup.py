@@ -8,7 +8,7 @@ from html import escape
 from pymunk_dragon._extras import library
 
 # Code, or a formula with the stops behind it, before which browsers would end a line.
-MARKED = re.compile(r"(`[^`]*`|\$[^$]*\$[,.;:?!)，。；：？！）]*)")  # noqa: RUF001  # Those of Chinese.
+MARKED = re.compile(r"(`[^`]*`|\$[^$]*\$[,.;:?!)，。；：？！）]*)")  # noqa: RUF001  # Chinese marks.
 BOLD = re.compile(r"\*\*(.*?)\*\*")
 # Name of a function in MathML, unless a bracket follows.
 FUNCTION = re.compile(r"(<mi>(?:arc)?(?:sin|cos|tan|ln)</mi>)(?!<mo)")
@@ -46,5 +46,5 @@ def _part(part: str) -> str:
 def plain(text: str) -> str:
     """A text for a terminal, with formulas in Unicode."""
     for pattern, character in UNICODE:
-        text = re.sub(r"\$[^$]*\$", lambda found: re.sub(pattern, character, found[0]), text)  # noqa: B023 - called at once
+        text = re.sub(r"\$[^$]*\$", lambda found: re.sub(pattern, character, found[0]), text)  # noqa: B023  # Called at once.
     return text.replace("$", "")
