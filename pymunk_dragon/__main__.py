@@ -6,6 +6,7 @@ import os
 import signal
 import sys
 from contextlib import suppress
+from threading import Timer
 from time import monotonic
 from types import FrameType
 
@@ -13,6 +14,8 @@ from pymunk_dragon._signals import ENDING
 
 # s after a signal in which others are ignored, as a SIGHUP after SIGTERM, while files are removed.
 _GRACE = 2.0
+# s until a signal is repeated, which is more than such code takes.
+_REPETITION = 0.05
 
 
 class _Interruption(KeyboardInterrupt):
@@ -28,9 +31,20 @@ def main() -> None:
             received.append((number, monotonic()))
             raise _Interruption
 
+    def unraisable(ignored: sys.UnraisableHookArgs) -> None:
+        """Repeat a signal after the finalizer or hook that it interrupted: Python ignores exceptions there."""
+        if ignored.exc_type is not _Interruption:
+            sys.__unraisablehook__(ignored)
+        elif os.name == "posix":
+            # A signal of the process also ends a wait of the main thread.
+            Timer(_REPETITION, os.kill, (os.getpid(), received.pop()[0])).start()
+        else:
+            Timer(_REPETITION, signal.raise_signal, (received.pop()[0],)).start()
+
     # Signals that nohup, or a shell that starts it in the background, has the program ignore stay ignored.
     handled = [number for number in ENDING if signal.getsignal(number) != signal.SIG_IGN]
     code = 0
+    sys.unraisablehook = unraisable
     try:
         for number in handled:
             signal.signal(number, stop)

@@ -40,4 +40,4 @@ def signals_held(holds: Callable[[], bool] = lambda: True) -> Iterator[Callable[
         with suppress(OSError, ValueError):
             for number, handler in handlers.items():
                 signal.signal(number, handler)
-    release()
+        release()

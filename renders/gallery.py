@@ -16,7 +16,7 @@ import numpy as np
 from PIL import Image
 
 import pymunk_dragon
-from pymunk_dragon.cli import main
+from pymunk_dragon.cli import status
 
 RENDERS = Path("renders")
 PICTURES = (".gif", ".png")
@@ -80,11 +80,8 @@ def make(target: Path, endings: list[str], arguments: list[str]) -> None:
     drafts = [(RENDERS / ".new" / name).with_suffix(ending) for ending in endings]
     drafts[0].parent.mkdir(parents=True, exist_ok=True)
     for draft in drafts:
-        try:
-            main([*arguments, "-o", str(draft)])
-        except SystemExit as ended:
-            if ended.code:
-                raise
+        if code := status([*arguments, "-o", str(draft)]):
+            sys.exit(code)
     replace(target, drafts)
     files = used_files()
     # The rules without a recipe are for files that are removed later.

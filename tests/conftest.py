@@ -20,7 +20,7 @@ from PIL import Image
 from sharing import shared_run
 
 from pymunk_dragon import Dragon, March, ParameterError, simulate
-from pymunk_dragon.cli import main
+from pymunk_dragon.cli import status
 
 # Examples share the machine with whatever else runs there, so none has a time limit of its own. They are the same every
 # time, so that a failure comes from a change; `--hypothesis-profile=explore` draws new ones.
@@ -123,9 +123,8 @@ def call(capsys):
     """Call the program within this process: exit code, stdout, stderr."""
 
     def called(*arguments):
-        with pytest.raises(SystemExit) as stopped:
-            main([str(argument) for argument in arguments])
-        return stopped.value.code, *capsys.readouterr()
+        code = status([str(argument) for argument in arguments])
+        return code, *capsys.readouterr()
 
     return called
 

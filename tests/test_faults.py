@@ -210,6 +210,40 @@ def test_signal_ends_a_simulation_with_one_line_and_leaves_the_old_file(tmp_path
     assert path.read_bytes() == b"old"
 
 
+# Code in which a signal raises no KeyboardInterrupt that ends the program: exceptions in hooks and finalizers are only
+# printed, and the initialization of a module in C makes an ImportError of any.
+UNINTERRUPTIBLE = {
+    "fork": "os.register_at_fork(after_in_parent=lambda: signal.raise_signal(signal.SIGINT))",
+    "finalizer": """
+class Finder:
+    def find_spec(self, name, *_):
+        if name == "pymunk_dragon.cli":
+            sys.meta_path.remove(self)
+    def __del__(self):
+        signal.raise_signal(signal.SIGINT)
+sys.meta_path.insert(0, Finder())""",
+    "import": """
+class Finder:
+    def find_spec(name, *_):
+        try:
+            name != "imageio_ffmpeg" or signal.raise_signal(signal.SIGINT)
+        except KeyboardInterrupt as error:
+            raise ImportError from error
+sys.meta_path.insert(0, Finder)""",
+}
+
+
+@pytest.mark.parametrize("code", UNINTERRUPTIBLE.values(), ids=UNINTERRUPTIBLE)
+def test_interruption_in_code_that_cannot_raise_ends_the_program(tmp_path, code):
+    code = f"import os, runpy, signal, sys\n{code}\nrunpy.run_module('pymunk_dragon', run_name='__main__')"
+    # A film that takes minutes. A process is started for it.
+    command = [sys.executable, "-c", code, "render", "--until", "400", "--speedup", "0.5", "-o", tmp_path / "film.mp4"]
+    ended = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT)
+    assert ended.returncode == 130
+    assert_one_line(ended.stderr, "interrupted")
+    assert names(tmp_path) == []
+
+
 # Full disks
 
 

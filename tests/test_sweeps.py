@@ -381,8 +381,8 @@ def test_killed_worker_ends_the_sweep_and_killed_program_its_workers(tmp_path, k
 
 
 def test_python_that_cannot_be_executed_is_an_error(tmp_path):
-    code = "import multiprocessing, sys; from pymunk_dragon.cli import main; multiprocessing.set_executable('/none');"
-    with program(tmp_path, *TWELVE, command=[PYTHON, "-c", f"{code} main(sys.argv[1:])", *SWEEP[3:]]) as running:
+    code = "import multiprocessing, pymunk_dragon.__main__ as m; multiprocessing.set_executable('/none'); m.main()"
+    with program(tmp_path, *TWELVE, command=[PYTHON, "-c", code, *SWEEP[3:]]) as running:
         assert_ended(running, 1, "/none")
     assert os.listdir(tmp_path) == []
 

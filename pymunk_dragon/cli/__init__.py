@@ -85,13 +85,8 @@ def cli() -> None:
     """A bench dragon on its spiral: positions, speeds, and the first contact with itself."""
 
 
-def main(arguments: list[str] | None = None) -> None:
-    """Run the program and exit: 0 done, 1 failed while running, 2 bad input, 130 interrupted."""
-    sys.exit(status(arguments))
-
-
 def status(arguments: list[str] | None = None) -> int:
-    """Run the program and return its exit code."""
+    """Run the program and return its exit code: 0 done, 1 failed while running, 2 bad input, 130 interrupted."""
     _open_streams()
     try:
         return _run(sys.argv[1:] if arguments is None else arguments)
@@ -117,7 +112,7 @@ def _run(arguments: list[str]) -> int:
     if instruction := os.environ.get(_COMPLETE_VARIABLE):
         return shell_complete(cli, {}, PROGRAM, _COMPLETE_VARIABLE, instruction)
     try:
-        # Not `cli.main`, which prints an empty line when it is interrupted.
+        # Not `cli()`, which prints an empty line when it is interrupted.
         with cli.make_context(PROGRAM, list(arguments)) as context:
             cli.invoke(context)
     except click.exceptions.Exit as end:
@@ -125,6 +120,13 @@ def _run(arguments: list[str]) -> int:
     except click.exceptions.NoArgsIsHelpError as error:
         error.show()
         return _BAD_INPUT
+    except Exception as error:
+        cause: BaseException | None = error
+        while cause:
+            if isinstance(cause, KeyboardInterrupt):  # An interrupted import of a module in C raises an ImportError.
+                raise cause from None
+            cause = cause.__cause__ or cause.__context__
+        raise
     sys.stdout.flush()
     return _DONE
 

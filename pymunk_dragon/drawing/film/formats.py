@@ -8,12 +8,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass
+from logging import ERROR, getLogger
 from pathlib import Path
 
 import numpy as np
 from PIL import GifImagePlugin, Image, ImageChops
 
 from pymunk_dragon._extras import library
+from pymunk_dragon._signals import signals_held
 from pymunk_dragon.errors import MissingExtraError, ParameterError
 
 # Frames per second in a GIF, whose delays are whole centiseconds: browsers replace a delay of one by ten.
@@ -84,9 +86,11 @@ def _write_mp4(path: Path, frames: Frames) -> None:
     ffmpeg, counts = library("imageio_ffmpeg"), [max(1, count) for count in frames.durations(frames.fps)]
     options = {"fps": frames.fps, "codec": "libx264", "quality": None, "macro_block_size": 1, "ffmpeg_timeout": 0}
     options |= {"ffmpeg_log_level": "quiet", "output_params": f"{_QUALITY} {_FORMAT}".split()}
+    getLogger("imageio_ffmpeg").setLevel(ERROR)  # It warns of a film that was interrupted before its first frame.
     with closing(ffmpeg.write_frames(str(path), frames.size, **options)) as writer:
         try:
-            writer.send(None)
+            with signals_held():  # Those of a fork cannot be raised.
+                writer.send(None)
         except (RuntimeError, OSError) as error:
             raise MissingExtraError("an MP4", "mp4") from error
         try:
