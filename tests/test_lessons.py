@@ -211,7 +211,12 @@ def test_without_a_library_one_line_names_the_extra(call, monkeypatch, tmp_path)
     monkeypatch.setenv("PYTHONPATH", str(tmp_path), prepend=":")
     code, _, err = call("demo", "spiral")
     assert (code, err.count("\n")) == (2, 1)
-    assert "pymunk-dragon[figures]" in err
+    assert "pymunk-dragon[demos]" in err
+    # Before any text where the program itself imports the library.
+    monkeypatch.setattr("pymunk_dragon._extras.find_spec", lambda name: None)
+    code, out, err = call("demo", "spiral")
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert "pymunk-dragon[demos]" in err
 
 
 def test_heads_are_bold_in_a_terminal_and_lines_are_short(terminal, call, tmp_path):

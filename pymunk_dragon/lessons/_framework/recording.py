@@ -11,8 +11,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from pymunk_dragon._extras import FEATURES, missing_extra
-from pymunk_dragon.errors import DragonError, OutputError, ParameterError
+from pymunk_dragon._extras import FEATURES
+from pymunk_dragon.errors import DragonError, MissingExtraError, OutputError, ParameterError
 from pymunk_dragon.lessons._framework.lesson import Lesson
 
 MISSING = re.compile(r"ModuleNotFoundError: No module named '(\w+)")
@@ -49,9 +49,8 @@ def run(lesson: Lesson, folder: Path) -> Iterator[str]:
         finally:
             process.kill()
     if process.returncode:
-        missing = MISSING.search(errors)
-        if missing and missing[1] in FEATURES:
-            raise missing_extra(missing[1])
+        if (missing := MISSING.search(errors)) and missing[1] in FEATURES:
+            raise MissingExtraError("a lesson", "demos")
         if unwritten := re.search(r"OSError: \[Errno \d+\] (.+)", errors):
             raise OutputError("the picture of the lesson", unwritten[1])
         raise DragonError(f"the program of the lesson {lesson.name!r} failed: {errors.strip().splitlines()[-1]}")

@@ -9,6 +9,7 @@ import textwrap
 from itertools import pairwise
 from pathlib import Path
 
+from pymunk_dragon._extras import require
 from pymunk_dragon._language import in_language, text
 from pymunk_dragon.lessons._framework.lesson import Lesson, blocks, lessons
 from pymunk_dragon.lessons._framework.markup import plain
@@ -47,6 +48,8 @@ def play(lesson: Lesson, save: str | Path | None = None, *, language: str = "en"
     >>> Path("pictures/spiral.png").exists()
     True
     """
+    if "matplotlib" in lesson.source:
+        require("matplotlib", "a lesson", "demos")
     folder = Path(tempfile.mkdtemp(prefix="pymunk-dragon-")) if save is None else make_folder(save)
     said = lesson.sections(language)
     option = "" if language == "en" else f" --lang {language}"
