@@ -38,8 +38,8 @@ def positive(name: str, value: object, high: float, unit: str) -> float:
     amount = number(value)
     if math.isfinite(amount) and 0 < amount <= high:
         return amount
-    upper = "finite" if high == math.inf else f"at most {high:g}"
-    raise ParameterError(name, value, f"a number above 0 and {upper} {unit}".rstrip())
+    bound = "a finite number above 0" if high == math.inf else f"a number above 0 and at most {high:g}"
+    raise ParameterError(name, value, f"{bound} {unit}".rstrip())
 
 
 def whole(name: str, value: object, low: int, high: int) -> int:

@@ -166,7 +166,7 @@ BAD_INPUT = {
     "study min-pitch --pitch 0.5": "pitch",
     "study min-pitch -o answer.gif": "-o answer.gif .json .png .svg .pdf",
     "study max-speed --limit 21": "limit 21",
-    "sweep": "axis None",
+    "sweep": "Missing --axis",
     **{f"sweep --axis pitch={bad}": f"'pitch={bad}'" for bad in ("wide", "0.6:0.5:0.1", "", "nan")},
     "sweep --axis pitch=-2,-1": "'pitch=-2'",
     "sweep --axis pich=0.4,0.5": "pitch",

@@ -20,7 +20,7 @@ from pymunk_dragon.sessions.session import Log, Session, load_log
 
 
 @common.command("", "near-miss", "--benches 60 --from 300 -o live.json", "--replay live.json --exit")
-@click.argument("scene", required=False, type=click.Choice(list(SCENES)))
+@click.argument("scene", metavar="[SCENE]", required=False, type=click.Choice(list(SCENES)))
 @common.scenario_options
 @common.start_option
 @click.option("--replay", metavar="FILE", type=click.Path(), help="Play a recording again, .json.")

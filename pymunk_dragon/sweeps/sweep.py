@@ -118,7 +118,7 @@ def sweep(
 def _axes(given: Mapping[str, Sequence[float]] | None, parameters: Sequence[str]) -> Axes:
     """The axes of a sweep: parameters and their values."""
     if not given or not isinstance(given, Mapping):
-        raise ParameterError("axis", given or None, "at least one: a parameter and its values")
+        raise ParameterError("axis", given or None, "a parameter and its values, or several of them")
     return {word("axis", name, parameters): _axis(name, values) for name, values in given.items()}
 
 

@@ -229,7 +229,7 @@ def _drift(subject: style.Subject) -> Figure:
 
     run = subject.run
     if run is None or len(run.times) == 1 or not run.max_drift > 0:
-        raise ParameterError("run", "one without a drift", "one that the engine has played for a while")
+        raise ParameterError("run", run and "one without position errors", "a run of `simulate`")
     metres = EngFormatter("m", places=1)
     title = text("The engine stays within {} of the exact model").format(metres(run.max_drift))
     figure = style.slide(title, text("position errors of the benches, at the worse of their two holes"))
@@ -256,12 +256,12 @@ def _impulses(subject: style.Subject) -> Figure:
     """Draw the force in every joint at several times: the impulse in a substep over the substep."""
     run = subject.run
     if run is None or run.joint_impulses is None or run.substep is None:
-        raise ParameterError("run", "one without joint impulses", "one of the engine, as `simulate` makes it")
+        raise ParameterError("run", run and "one without joint impulses", "a run of `simulate`")
     # The frame of the contact follows a shortened substep, in which the joint solver has not converged.
     before = run.times < (run.first_contact.time if run.first_contact else np.inf)
     times, forces = run.times[before], run.joint_impulses[before] / run.substep
     if not forces.max(initial=0.0) > 0:
-        raise ParameterError("run", "one whose joints carry nothing", "one that the engine has played for a while")
+        raise ParameterError("run", "one without joint impulses", "a run of `simulate` with a frame before the contact")
     rows = np.unique(np.searchsorted(times, _several_times(times[0], times[-1])))
     title = text("The joints carry up to {:.2f} N").format(forces[rows].max())
     subtitle = text("force in every joint, N: the mean over a substep of {:g} ms").format(1e3 * run.substep)
