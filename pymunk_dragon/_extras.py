@@ -42,6 +42,6 @@ def missing_extra(name: str) -> MissingExtraError:
 
 
 def require(name: str, feature: str, extra: str) -> None:
-    """Raise the error that names the extra of a feature if a library is not installed, without importing the library."""
+    """Raise the error that names the extra of a feature if a library, which is not imported, is not installed."""
     if find_spec(name) is None:
         raise MissingExtraError(feature, extra)

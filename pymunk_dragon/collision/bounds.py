@@ -275,8 +275,8 @@ class MotionBounds:
         tested: Flags = np.ones(radii.shape, dtype=bool)
         tested[:, 2:] = self._lows[:, 2:-1] - margin < start_s[1 : tested.shape[1] - 1] + margin
         many = np.asarray(tested[:, 2:].any(axis=1))
-        meeting: Flags = np.abs(middles[:, :2, None] - middles[:, None]) <= radii[:, :2, None] + radii[:, None]
-        rows, first, second = np.nonzero(meeting & ~many[:, None, None])
+        within: Flags = np.abs(middles[:, :2, None] - middles[:, None]) <= radii[:, :2, None] + radii[:, None]
+        rows, first, second = np.nonzero(within & ~many[:, None, None])
         apart = second - first >= 2
         found = [(rows[apart], np.stack([first, second], axis=-1)[apart])]
         for row in np.flatnonzero(many).tolist():
@@ -296,8 +296,8 @@ def near_pairs(centres: Complex, radii: Array) -> Indices:
         squares = (centres - centres.mean())[:, None] + half[:, None] * _SQUARE
         cell = float(np.clip(2 * half.max(), *CELLS))
         first, second = Grid(cell=cell, origin=(0.0, 0.0)).pairs(as_vectors(squares)).T
-    meeting = np.abs(centres[first] - centres[second]) <= radii[first] + radii[second]
-    return np.stack([first, second], axis=-1)[meeting]
+    within = np.abs(centres[first] - centres[second]) <= radii[first] + radii[second]
+    return np.stack([first, second], axis=-1)[within]
 
 
 def _followed_rates(

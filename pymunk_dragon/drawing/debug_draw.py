@@ -85,7 +85,7 @@ class DrawCall:
 
     `name` is "circle", "segment" or "polygon" for shapes, "line" or "dot" for constraints, and "contact". `points` has
     a centre, the ends of a line, or corners. The `radius` of a dot is in pixels. Only shapes have an `outline`, and
-    only circles an `angle`, rad; `moves` tells whether the body of a shape is dynamic.
+    only circles an `angle`, rad; `moves` is whether the body of a shape is dynamic.
     """
 
     name: str

@@ -61,7 +61,7 @@ plt.savefig("sat.png", bbox_inches="tight")
 # half the shadow of B, $1.10 \sin 30^\circ + 0.15 \cos 30^\circ$.
 # ## Try
 # Drag and turn the benches, and add walls. With how many walls can the benches be apart without light on any of them?
-# With enough of them: how many have light just before the benches touch, and does a fifth wall ever tell more?
+# With enough of them: how many have light just before the benches touch, and does a fifth wall ever show more?
 # ## Change
 # Let `gaps` return `np.maximum(...)[:2]`, without the axes of B: at which angle is the verdict wrong?
 # ## Teacher

@@ -41,7 +41,7 @@ plt.savefig("velocity.png", bbox_inches="tight")
 # ## Answer
 # A rigid bench keeps its length, so both its handles go equally fast along it; the front one goes at a slightly larger
 # angle to it, because the spiral is more curved there, and so has to be faster: 223 such benches leave the tail with
-# 0.9965 m/s. Two positions tell the same, with an error that shrinks with the step, until they are so close, at some 10
+# 0.9965 m/s. Two positions give the same, with an error that shrinks with the step, until they are so close, at some 10
 # microseconds (30 on the stage), that most of their digits are equal and the rounding of the last ones takes over.
 #
 # How fast is the tail?

@@ -138,9 +138,9 @@ def chains(path: Path, heads: Array, spacings: Array) -> ChainMotion:
     Each chain is computed as a whole. Where this does not succeed, as its front is where the path bends sharply, a
     block of benches is computed one by one, and then the chain behind them.
     """
-    found, settled = _whole_chains(path, heads, spacings)
-    if not settled.all():
-        rest = ~settled
+    found, converged = _whole_chains(path, heads, spacings)
+    if not converged.all():
+        rest = ~converged
         handles_s = np.full((int(rest.sum()), spacings.size + 1), np.nan)
         handles_s[:, : _BLOCK + 1] = _bench_by_bench(path, heads[rest], spacings[:_BLOCK])
         behind = ~np.isnan(handles_s[:, min(_BLOCK, spacings.size)])
@@ -174,16 +174,16 @@ def _whole_chains(path: Path, heads: Array, spacings: Array) -> tuple[ChainMotio
     """
     handles = spacings.size + 1
     found = _empty(heads.size, handles)
-    settled, parameters = np.empty(heads.size, dtype=bool), path._parameter(heads)
+    converged, parameters = np.empty(heads.size, dtype=bool), path._parameter(heads)
     rows = max(1, _WHOLE_HANDLES // handles)
     with np.errstate(all="ignore"):
         for begin in range(0, heads.size, rows):
             block = slice(begin, begin + rows)
             into = found.each(lambda part: part[block].T)  # noqa: B023  # Called at once.
-            settled[block] = _solve_block(path, heads[block], parameters[block], spacings, into)
-        chosen = found.handles_s if settled.all() else found.handles_s[settled]
-        settled[settled] = _nearest(path, chosen.T, spacings)
-    return found, settled
+            converged[block] = _solve_block(path, heads[block], parameters[block], spacings, into)
+        chosen = found.handles_s if converged.all() else found.handles_s[converged]
+        converged[converged] = _nearest(path, chosen.T, spacings)
+    return found, converged
 
 
 def _empty(chains: int, handles: int) -> ChainMotion:
@@ -200,7 +200,7 @@ def _solve_block(path: Path, heads: Array, parameters: Array, spacings: Array, i
     lengths, shortest = spacings[:, None], spacings.min(initial=np.inf)
     squares, inverse = lengths**2, 0.5 / lengths
     parameters = path._estimate(heads, parameters, lengths)
-    settled, known = np.zeros(heads.shape, dtype=bool), np.full(heads.shape, np.nan)
+    converged, known = np.zeros(heads.shape, dtype=bool), np.full(heads.shape, np.nan)
     for _ in range(_WHOLE_PASSES):
         points, derivatives = path._motion(parameters)
         benches = points[:-1] - points[1:]
@@ -211,7 +211,7 @@ def _solve_block(path: Path, heads: Array, parameters: Array, spacings: Array, i
         step -= squares
         error = step * inverse
         error = np.abs(error, out=error).max(axis=0, initial=0)
-        if settled.all():
+        if converged.all():
             break
         if not (known <= _SAME_DERIVATIVES * shortest).all():
             ratios, behind = _ratios(benches, derivatives)
@@ -220,16 +220,16 @@ def _solve_block(path: Path, heads: Array, parameters: Array, spacings: Array, i
         step *= weights
         np.cumsum(step, axis=0, out=step)
         step *= ratios[1:]
-        if settled.any():
-            step[:, settled] = 0
+        if converged.any():
+            step[:, converged] = 0
         parameters[1:] += step
-        settled |= error * known <= (_WHOLE_ERROR * shortest) ** 2
+        converged |= error * known <= (_WHOLE_ERROR * shortest) ** 2
     into.handles_s[:] = path._coordinate(parameters)
     # The inverse of `_parameter` rounds; the heads keep their coordinates.
     into.handles_s[0] = heads
     largest = np.maximum(np.abs(into.handles_s[[0, -1]]).max(axis=0), np.abs(points[0]) + spacings.sum())
     # Written so that nan fails.
-    settled &= error <= _WHOLE_RESIDUAL * np.spacing(largest)
+    converged &= error <= _WHOLE_RESIDUAL * np.spacing(largest)
     ratios, _ = _ratios(benches, derivatives)
     speeds = np.abs(derivatives)
     into.points[:] = points
@@ -238,7 +238,7 @@ def _solve_block(path: Path, heads: Array, parameters: Array, spacings: Array, i
     speeds /= speeds[0].copy()
     ratios *= speeds
     into.ratios[:] = ratios
-    return settled
+    return converged
 
 
 def _ratios(benches: Complex, derivatives: Complex) -> tuple[Array, Array]:

@@ -123,7 +123,7 @@ class Run(ArrayRecord, Displayed):
                 # A copy, because the caller may change the array.
                 array = np.array(numbers(name, getattr(self, name)), dtype=kind)
                 if array.shape != shape:
-                    raise ParameterError(f"the shape of a run's {name}", array.shape, f"{shape}, as its march wants")
+                    raise ParameterError(f"the shape of a run's {name}", array.shape, f"{shape}, as its march has")
                 # The drift is a distance of two poses, or nan where the model has none.
                 limit = {"poses": MAX_COORDINATE, "drift": 3 * MAX_COORDINATE}.get(name, np.finfo(kind).max)
                 if not ((np.abs(array) <= limit) | (np.isnan(array) & (name == "drift"))).all():

@@ -16,8 +16,8 @@ drift 0.003 mm in the first twelve benches, 0.028 mm anywhere
 
 ## How exact the engine is
 
-Pymunk only knows bodies, joints and small steps of time, so it drifts. The head passes bench 11 with a gap of 0.9 mm:
-an engine with an error of a millimetre reports a collision that never happens.
+Pymunk has only bodies, joints and small steps of time, so position errors grow. The head passes bench 11 with a gap of
+0.9 mm: an engine with an error of a millimetre reports a collision that never happens.
 
 From t = 0 to its first contact at the default settings (a substep of 20 ms, 10 iterations), benches 0 and 8 of the
 reference scenario touch at 412.473850 s, none before; the exact time is 412.473838 s. The drift is 0.0026 mm in the

@@ -120,7 +120,7 @@ class World:
         moments = [pymunk.moment_for_box(mass, size) for mass, size in zip(self.masses, sizes, strict=True)]
         self.moments = np.array(moments)
         self.free_from: int | None = None
-        self._carriers: list[pymunk.PivotJoint] = []
+        self._return_joints: list[pymunk.PivotJoint] = []
         # First bench that the guide does not push, and the largest forces and torques of the guide.
         self._unpushed, self._limits = dragon.benches, np.full((dragon.benches, 1), np.inf)
         self.space = pymunk.Space()
@@ -279,7 +279,7 @@ class World:
             x, y, angle = states.poses[0, 0].tolist()
             ahead = (self.bodies[0].position - (x, y)).dot(pymunk.Vec2d.from_polar(1, angle)) / self.top_speed
             self.time = min(max(self.time + _RECOVERING * self.substep * ahead, self.start), self.march.end)
-        if self._carriers:
+        if self._return_joints:
             self._carry(self.march.at(self.time), share)
         self.prepare(states, share=share)
         return goes_on
@@ -343,7 +343,7 @@ class World:
     @property
     def returning(self) -> bool:
         """Whether dancers carry benches back."""
-        return bool(self._carriers)
+        return bool(self._return_joints)
 
     def release(self, bench: int) -> None:
         """Let the dancers of `bench`, from 1 on, and of all behind it go."""
@@ -375,24 +375,24 @@ class World:
             return
         half = self.march.dragon.spacings / 2
         for bench, body in enumerate(self.bodies[self.free_from :], start=self.free_from):
-            carrier = pymunk.PivotJoint(self.space.static_body, body, body.position, (-half[bench], 0.0))
-            carrier.max_bias = _RETURN_SPEED * self.top_speed
-            carrier.error_bias = math.exp(-_RETURN_RATE * self.top_speed)
-            carrier.max_force = float(self._limits[bench, 0])
-            self._carriers.append(carrier)
-        self.space.add(*self._carriers)
+            joint = pymunk.PivotJoint(self.space.static_body, body, body.position, (-half[bench], 0.0))
+            joint.max_bias = _RETURN_SPEED * self.top_speed
+            joint.error_bias = math.exp(-_RETURN_RATE * self.top_speed)
+            joint.max_force = float(self._limits[bench, 0])
+            self._return_joints.append(joint)
+        self.space.add(*self._return_joints)
         self._apply_settings()
 
     def _carry(self, states: States, share: float) -> None:
         """Carry benches to their exact positions, from which dancers guide them again when all have arrived."""
         assert self.free_from is not None  # Benches return only if some were free.
         first = self.free_from + 1
-        # A carrier follows a moving target with a delay of this time, so its target is as far ahead: otherwise it would
-        # brake the chain, whose tension would tear it apart when the carriers let go.
+        # A joint follows a moving target with a delay of this time, so its target is as far ahead: otherwise it would
+        # brake the chain, whose tension would tear it apart when these joints are removed.
         ahead = self.substep / (1 - math.exp(-_RETURN_RATE * self.top_speed * self.substep))
         targets = states.positions[0, first:] + ahead * share * states.velocities[0, first:]
-        for carrier, (x, y) in zip(self._carriers, targets.tolist(), strict=True):
-            carrier.anchor_a = x, y
+        for pivot, (x, y) in zip(self._return_joints, targets.tolist(), strict=True):
+            pivot.anchor_a = x, y
         distances = np.hypot(*(self.poses[:, :2] - states.poses[0, :, :2]).T)
         if distances.max() < _RETURNED * self.march.dragon.widths.min():
             self._stop_carrying()
@@ -405,8 +405,8 @@ class World:
             self._apply_settings()
 
     def _stop_carrying(self) -> None:
-        self.space.remove(*self._carriers)
-        self._carriers.clear()
+        self.space.remove(*self._return_joints)
+        self._return_joints.clear()
 
 
 def _set_velocities(bodies: Sequence[pymunk.Body], velocities: Array) -> None:

@@ -99,7 +99,7 @@ class Key(Button):
 class PygameEvents:
     """Keys and the pointer of the page as pygame's events, for a pygame program that steps its space by `Live.step`.
 
-    pygame's ``key.get_pressed``, ``key.get_mods``, ``mouse.get_pos`` and ``mouse.get_pressed`` then tell the state of
+    pygame's ``key.get_pressed``, ``key.get_mods``, ``mouse.get_pos`` and ``mouse.get_pressed`` then have the state of
     the page, which shows the area of pygame's window; with ``SDL_VIDEODRIVER=dummy`` the program needs no screen. A
     `MissingExtraError` is raised if pygame is not installed.
 

@@ -134,7 +134,7 @@ def _sloppy_engine(values: _Values) -> Scene:
 
 @_scene("near-miss", "Near misses", "near-miss")
 def _near_miss(values: _Values) -> Scene:
-    """Can this engine tell? The head passes bench 9 with a gap of 3 mm and bench 11 with 0.9 mm."""
+    """Which bench does the head touch first? It passes bench 9 with a gap of 3 mm and bench 11 with 0.9 mm."""
     return DragonScene(March(), values, contacts="stop", start=404.0)
 
 

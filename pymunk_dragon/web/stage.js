@@ -134,7 +134,7 @@ function keepsKey(target, key, tabbed) {
   return target.matches("select") || (target.matches("input[type=radio]") && key.startsWith("arrow"));
 }
 
-// Tell why a page does not work.
+// Show why a page does not work.
 function showFailure({ message }) {
   element("failure").hidden = false;
   setText("failure", localized("The page cannot start: {message}. A newer browser may help.", { message }));

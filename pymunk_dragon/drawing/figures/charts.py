@@ -305,5 +305,5 @@ FIGURES: Mapping[str, Kind] = {
     "gap": Kind("how near the head comes to the benches that it passes", _gap),
     "speeds": Kind("speed along the dragon at several times", _speeds),
     "drift": Kind("how far the engine is from the exact model", _drift),
-    "impulses": Kind("what the engine's joints carry along the dragon", _impulses),
+    "impulses": Kind("forces in the joints of a run of the engine", _impulses),
 }

@@ -82,9 +82,9 @@ function showAccess(live) {
 function rateOf(live) {
   const { state: { running, speed }, frame: { generation, clock, time } } = live;
   const kind = [running, speed, generation].join();
-  if (live.paceKind !== kind) Object.assign(live, { paceKind: kind, pace: [] });
-  live.pace = [...live.pace, { clock, time }].filter((one) => one.clock >= clock - RATE_TIME);
-  const [first] = live.pace, passed = clock - first.clock;
+  if (live.rateKind !== kind) Object.assign(live, { rateKind: kind, ticks: [] });
+  live.ticks = [...live.ticks, { clock, time }].filter((one) => one.clock >= clock - RATE_TIME);
+  const [first] = live.ticks, passed = clock - first.clock;
   return passed >= RATE_TIME / 2 ? (time - first.time) / passed : null;
 }
 
