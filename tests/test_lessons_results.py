@@ -38,7 +38,7 @@ def found_in(name, pattern):
     return found
 
 
-def test_turning_is_the_pace_over_the_root_and_the_walk_is_steady():
+def test_angular_rate_is_the_speed_over_the_root_and_the_speed_is_constant():
     table = found_in("spiral", "^t =")
     assert [row[0] for row in table] == [0, 100, 200, 300, 400]
     for time, r, walking, turning, a_round in table:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from decimal import Decimal
@@ -214,9 +215,14 @@ def number_list(name: str, given: str) -> list[float]:
 @contextmanager
 def progress(label: str, begin: float = 0.0) -> Iterator[Callable[[float, float], None]]:
     """Progress bar on stderr if that is a terminal; yields `show(done, total)`, of numbers that start with `begin`."""
-    hidden = not sys.stderr.isatty()
-    with click.progressbar(length=_STEPS, label=label, file=sys.stderr, hidden=hidden) as bar:
-        yield lambda done, total: bar.update(max(int(_STEPS * (done - begin) / (total - begin)) - bar.pos, 0))
+    with click.progressbar(length=_STEPS, label=label, file=sys.stderr, hidden=not sys.stderr.isatty()) as bar:
+
+        def show(done: float, total: float) -> None:
+            if not bar.pos:  # The time left is estimated from the first step on, not from what comes before it.
+                bar.start = bar.last_eta = time.time()
+            bar.update(max(int(_STEPS * (done - begin) / (total - begin)) - bar.pos, 0))
+
+        yield show
 
 
 def wrote(path: Path) -> None:
@@ -232,11 +238,11 @@ def answer_with_file(path: Path) -> None:
         answer({"output": str(path), "bytes": path.stat().st_size})
 
 
-def save(path: Path | None, result: dict[str, Any], write: Callable[[Path], object]) -> None:
+def save(path: Path | None, result: Mapping[str, Any], write: Callable[[Path], object] | None = None) -> None:
     """Write a result to a file, if there is one: as JSON, or in another format by `write`."""
     if path is None:
         return
-    if path.suffix.lower() == ".json":
+    if write is None or path.suffix.lower() == ".json":
         with written_in_place(path) as draft:
             draft.write_text(json.dumps(result) + "\n", encoding="utf-8")
     else:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from pathlib import Path
 from time import sleep
@@ -11,7 +10,6 @@ from typing import Any
 import click
 
 from pymunk_dragon._extras import library
-from pymunk_dragon._files import written_in_place
 from pymunk_dragon._language import text
 from pymunk_dragon.cli import common
 from pymunk_dragon.sessions.handle import Live
@@ -50,7 +48,8 @@ def live(scene: str | None, start: float, replay: str | None, ends: bool, output
             _wait_for_replay(session, log)
         finally:
             session.stop()
-        _write(session, path)
+        if path is not None:
+            common.save(path, session.log())
     else:
         serve(session, log, path, **address)
 
@@ -68,7 +67,8 @@ def serve(session: Session, log: Log | None, path: Path | None, **address: Any) 
             sleep(1)
     finally:
         running.stop()
-        _write(session, path)
+        if path is not None:
+            common.save(path, session.log())
 
 
 def _wait_for_replay(session: Session, log: Log | None) -> None:
@@ -78,11 +78,3 @@ def _wait_for_replay(session: Session, log: Log | None) -> None:
     equal = text("replay:  {steps} steps, equal to the recording to the bit")
     other = text("replay:  {steps} steps, poses within {difference:.1e} m and rad of the recording")
     click.echo((other if difference else equal).format(steps=log["steps"], difference=difference))
-
-
-def _write(session: Session, path: Path | None) -> None:
-    """Write the recording, if there is a file for it."""
-    if path is not None:
-        with written_in_place(path) as draft:
-            draft.write_text(json.dumps(session.log()))
-        common.wrote(path)

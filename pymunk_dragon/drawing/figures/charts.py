@@ -96,13 +96,13 @@ def _velocities(subject: style.Subject) -> Figure:
     path = subject.path(states.handles_s[0, -1], states.handles_s[0, 0])
     axes.plot(*path.T, color=style.PALE, lw=0.8)
     for handle in handles:
-        place, velocity, speed = (each[0, handle] for each in (states.positions, states.velocities, states.speeds))
+        position, velocity, speed = (each[0, handle] for each in (states.positions, states.velocities, states.speeds))
         name = text("handle {}: {:.3f} m/s").format(handle, speed)
-        axes.plot(*place, "o", color=style.COLOURS.ink, ms=5, zorder=4, label=name)
+        axes.plot(*position, "o", color=style.COLOURS.ink, ms=5, zorder=4, label=name)
         behind: dict[str, Any] = {"xytext": -18 * velocity / speed, "textcoords": "offset points", "ha": "center"}
-        axes.annotate(str(handle), place, **behind, va="center", size=9, zorder=5, path_effects=style.halo())
-    places, arrows = states.positions[0, list(handles)], states.velocities[0, list(handles)]
-    axes.quiver(*places.T, *arrows.T, angles="xy", color=style.COLOURS.motion, width=0.006, zorder=3, gid="velocities")
+        axes.annotate(str(handle), position, **behind, va="center", size=9, zorder=5, path_effects=style.halo())
+    points, arrows = states.positions[0, list(handles)], states.velocities[0, list(handles)]
+    axes.quiver(*points.T, *arrows.T, angles="xy", color=style.COLOURS.motion, width=0.006, zorder=3, gid="velocities")
     style.plan(axes)
     axes.legend(**style.BESIDE)
     return figure
