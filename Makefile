@@ -14,7 +14,7 @@ MAKEFLAGS += --jobs=$(shell getconf _NPROCESSORS_ONLN) $(if $(filter output-sync
 .DELETE_ON_ERROR:
 
 help: ## list the targets
-	@grep -hE '^[a-z-]+:.*## ' Makefile | sed -E 's/^([a-z-]+):.*## /\1\t/' | expand -t 12
+	@grep -hE '^[a-z-]+:.*## ' Makefile | sed -E 's/^([a-z-]+):.*## /\1\t/' | expand -t 16
 
 # The virtual environment, in four steps: the core, the extras of the program, pdoc, and what tests and lint need.
 $(VENV)/core: pyproject.toml
@@ -126,7 +126,7 @@ report: renders/report.html ## simulate past the first contact and report on it:
 demos: renders/lessons.html ## run all lessons, and put them on one page: renders/lessons.html
 	@echo "open renders/lessons.html in a browser, or play a lesson here: $(DRAGON) demo spiral"
 
-screenshot: renders/march.html renders/lessons.html $(VENV)/tools ## pictures of the pages, in Chromium: renders/player.png, lessons.png, live.gif
+screenshot: renders/march.html renders/lessons.html $(VENV)/tools ## pictures of the pages, in Chromium: renders/player.png, lessons.png, lesson-*.png, live.gif
 	$(BIN)/python tests/bench/screenshot.py renders/march.html "#t=409.8&follow=head" renders/player.png
 	$(BIN)/python tests/bench/screenshot.py renders/lessons.html "#spiral" renders/lessons.png
 	set -e; for stage in chain "sat walls=4" "near-miss time=412.6 coordinates=3" "speed-limit way_of_the_head=14.6 speed_of_the_head=1.3"; do set -- $$stage; name=$$1; shift; \
