@@ -14,14 +14,16 @@ from pymunk_dragon.physics import GUIDES
 from pymunk_dragon.physics import simulate as play
 
 _CONTACTS = ("stop", "report", "resolve")
+_RESPONSE = "At a contact end the run, only record it, or push the benches apart.  [stop]"
+_GUIDE = "What keeps the benches on the path: dancers, or nothing.  [rails]"
 
 
 @common.command("-o run.npz", "--from 400 --substep 0.0025 --iterations 60", "--guide none --until 20")
 @common.scenario_options
 @common.start_option
 @common.until_option
-@click.option("--guide", type=click.Choice(list(GUIDES)), default="rails", help="What keeps it on the path.  [rails]")
-@click.option("--contacts", type=click.Choice(_CONTACTS), default="stop", help="What contacts do.  [stop]")
+@click.option("--guide", type=click.Choice(list(GUIDES)), default="rails", help=_GUIDE)
+@click.option("--contacts", type=click.Choice(_CONTACTS), default="stop", help=_RESPONSE)
 @click.option("--head-force", type=float, metavar="F", help="Largest force at contacts, N.  [twice the ground drag]")
 @click.option("--substep", type=float, metavar="T", help="Substep, s.  [20 mm of the head, or 5 mm to resolve]")
 @click.option("--iterations", type=int, metavar="N", help="Solver iterations.  [10, or 60 if contacts are resolved]")

@@ -22,7 +22,7 @@ _OUTPUT = "File to write: .csv, or .png, .svg or .pdf for a picture. May be repe
 
 @common.command("--axis pitch=0.42:0.46:0.01 --benches 60", "--axis pitch=0.5:0.6:0.005 -o pitch.csv -o pitch.png")
 @common.scenario_options
-@click.option("--axis", multiple=True, required=True, metavar="NAME=VALUES", help=_AXIS)
+@click.option("--axis", multiple=True, required=True, metavar="NAME=VALUES", help=f"{_AXIS}; repeatable.")
 @click.option("--quantity", metavar="NAME", default="contact-time", help=_QUANTITY)
 @click.option("--resume", is_flag=True, help="Go on from the partial table of an interrupted sweep, if there is one.")
 @click.option("--scheduler", metavar="ADDRESS", help="Run on a Dask scheduler, tcp://HOST:PORT.")
