@@ -6,13 +6,13 @@ paper's method; `Grid` and `separation` are the two phases of both.
 
 ## Three methods
 
-`contact --method NAME` runs the exact search, the paper's search or the engine:
+`contact --method NAME` runs the exact search, the paper's search or the engine (`--json` prints these numbers):
 
-| method | first contact, s | samples | pairs of benches | seconds |
-| --- | --- | --- | --- | --- |
-| `exact` | 412.473837682 | 3926 | 41367 | 0.17 |
-| `grid` | 412.473837852 | 434 | 224489 | 0.41 |
-| `engine` | 412.473849741 | 20624 | - | 8.39 |
+| method | first contact, s | samples | pairs of benches |
+| --- | --- | --- | --- |
+| `exact` | 412.473837682 | 3926 | 41367 |
+| `grid` | 412.473837852 | 434 | 224489 |
+| `engine` | 412.473849741 | 20624 | - |
 
 - **exact** clears every time interval by a bound on the motion of the benches in it, or divides it.
 - **grid** samples every second (`--step`). It files the benches under the cells of a grid, tests the pairs that share a

@@ -64,7 +64,7 @@ plt.savefig("pitch.png", bbox_inches="tight")
 # - **Too small**: 0.45027 m, as a contact between two checks is missed.
 # ## Check
 # The inward march takes 220.9 s: to 4.5 m from the centre there are $16 - 4.5 / 0.45034 = 6.0075$ turns, of a mean
-# radius of $(7.205 + 4.5) / 2$ m. Multiply their length by the turns: that are metres, and at 1 m/s as many seconds.
+# radius of $(7.205 + 4.5) / 2$ m. Multiply their length by the turns: those are metres, and at 1 m/s as many seconds.
 # ## Try
 # Move the pitch until the dragon just gets in, to a millimetre. Which bench does the head touch if it is a little too
 # small, and where? Then stay at 450 mm, and use the fine adjustment: from where on do samples every 1 s see no overlap,
