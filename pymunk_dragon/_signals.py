@@ -41,3 +41,10 @@ def signals_held(holds: Callable[[], bool] = lambda: True) -> Iterator[Callable[
             for number, handler in handlers.items():
                 signal.signal(number, handler)
         release()
+
+
+def interruption_of(error: BaseException | None) -> BaseException | None:
+    """The interruption that caused an error: an interrupted import of a module in C raises an `ImportError`."""
+    while error and not isinstance(error, KeyboardInterrupt):
+        error = error.__cause__ or error.__context__
+    return error

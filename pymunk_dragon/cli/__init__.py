@@ -30,6 +30,7 @@ import click
 from click.shell_completion import shell_complete
 
 from pymunk_dragon import __version__, errors
+from pymunk_dragon._signals import interruption_of
 from pymunk_dragon.cli.common import PROGRAM, epilog_of
 
 # The commands, in the order in which one uses them.
@@ -121,11 +122,8 @@ def _run(arguments: list[str]) -> int:
         error.show()
         return _BAD_INPUT
     except Exception as error:
-        cause: BaseException | None = error
-        while cause:
-            if isinstance(cause, KeyboardInterrupt):  # An interrupted import of a module in C raises an ImportError.
-                raise cause from None
-            cause = cause.__cause__ or cause.__context__
+        if interruption := interruption_of(error):
+            raise interruption from None
         raise
     sys.stdout.flush()
     return _DONE

@@ -29,8 +29,9 @@ A frame of a GIF of 640 x 640 pixels takes `render` 5.4 ms, imageio 26.2 ms and 
 (`python tests/bench/bench.py film`).
 """
 
+from pymunk_dragon.drawing.camera import Camera
 from pymunk_dragon.drawing.film import FILM_ENDINGS, STILL_ENDINGS, render, still_png
-from pymunk_dragon.drawing.film.settings import Camera, Film
+from pymunk_dragon.drawing.film.settings import Film
 from pymunk_dragon.drawing.marks import OVERLAYS
 
 __all__ = ["FILM_ENDINGS", "OVERLAYS", "STILL_ENDINGS", "Camera", "Film", "render", "still_png"]

@@ -15,7 +15,8 @@ import numpy as np
 from pymunk_dragon._arguments import Array, Flags
 from pymunk_dragon._language import text
 from pymunk_dragon.drawing.figures.style import COLOURS, QUIET, chart, halo
-from pymunk_dragon.sweeps.table import Sweep, varied
+from pymunk_dragon.sweeps.axes import varied
+from pymunk_dragon.sweeps.table import Sweep
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -11,7 +11,6 @@ from contextlib import AbstractContextManager, contextmanager, nullcontext, supp
 from functools import partial as partial_of
 from importlib import import_module
 from importlib.metadata import version
-from itertools import product
 from multiprocessing import get_context, parent_process
 from multiprocessing.process import BaseProcess
 from multiprocessing.spawn import get_executable
@@ -21,16 +20,15 @@ from time import perf_counter
 from typing import Any
 from zlib import crc32
 
-import numpy as np
-
-from pymunk_dragon._arguments import number, whole, word
+from pymunk_dragon._arguments import whole
 from pymunk_dragon._extras import library
 from pymunk_dragon._signals import ENDING, signals_held
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.scenario import Scenario
+from pymunk_dragon.sweeps.axes import Axes, axes_of, base_values, given_values, reference_values
 from pymunk_dragon.sweeps.quantities import Outcome, Quantity, Values, evaluate, quantity_of
-from pymunk_dragon.sweeps.table import Axes, Partial, Sweep, check_format
+from pymunk_dragon.sweeps.table import Partial, Sweep, check_format
 
 # Futures under way, at most: enough for so many workers, and few in memory.
 _UNDER_WAY = 256
@@ -97,9 +95,9 @@ def sweep(
     """
     begin = perf_counter()
     chosen = quantity_of(quantity)
-    points = _axes(axes, chosen.parameters)
-    given = _given(scenario, points)
-    base = _base(chosen, given, points)
+    points = axes_of(axes, chosen.parameters)
+    given = given_values(scenario, points)
+    base = base_values(chosen, given, points)
     if resume and not out:
         raise ParameterError("resume", resume, "absent without a file to write")
     files = [check_format(path, points) for path in ([out] if isinstance(out, str | Path) else out)]
@@ -109,60 +107,10 @@ def sweep(
             for rows in _outcomes(started, partial_of(evaluate, chosen.name, base), partial.missing()):
                 partial.append(rows)
                 progress(len(partial.rows), partial.count)
-        found = Sweep(chosen, partial, _reference(chosen, given, points), perf_counter() - begin)
+        found = Sweep(chosen, partial, reference_values(chosen, given, points), perf_counter() - begin)
         for file in files:
             found.write(file)
     return found
-
-
-def _axes(given: Mapping[str, Sequence[float]] | None, parameters: Sequence[str]) -> Axes:
-    """The axes of a sweep: parameters and their values."""
-    if not given or not isinstance(given, Mapping):
-        raise ParameterError("axis", given or None, "a parameter and its values, or several of them")
-    return {word("axis", name, parameters): _axis(name, values) for name, values in given.items()}
-
-
-def _axis(name: str, values: Sequence[float]) -> tuple[float, ...]:
-    """The values of an axis, which are all integers if all are whole numbers."""
-    try:
-        numbers = np.array(values, dtype=float).ravel()
-    except (TypeError, ValueError):
-        numbers = np.array([])
-    if not numbers.size or not np.isfinite(numbers).all():
-        raise ParameterError("axis", f"{name}={values}", "finite numbers, at least one")
-    # Larger doubles have no digits after the point.
-    whole_numbers = ((numbers % 1 == 0) & (np.abs(numbers) < 2**53)).all()
-    return tuple(numbers.astype(int if whole_numbers else float).tolist())
-
-
-def _given(scenario: Scenario | March | Mapping[str, Any] | None, axes: Axes) -> dict[str, Any]:
-    """Values of parameters of a scenario in any form."""
-    known = Scenario.of(scenario) if isinstance(scenario, March) else scenario or {}
-    values = known.values() if isinstance(known, Scenario) else Scenario.flat(known)
-    if "start_s" in axes:
-        values.pop("turns", None)
-    return values
-
-
-def _base(quantity: Quantity, given: Values, axes: Axes) -> dict[str, Any]:
-    """Complete values of parameters that are not axes, from the first corner of the axes that is a scenario."""
-    errors = []
-    for corner in product(*(dict.fromkeys((min(values), max(values))) for values in axes.values())):
-        try:
-            found = quantity.base({**given, **dict(zip(axes, corner, strict=True))})
-            return {name: value for name, value in found.items() if name not in axes}
-        except ParameterError as error:
-            errors.append(error)
-    first = errors[0]
-    raise ParameterError("axis", f"{first.name}={first.value}", first.bound) if first.name in axes else first
-
-
-def _reference(quantity: Quantity, given: Values, axes: Axes) -> dict[str, float]:
-    """The scenario's own values of axes, or nan where it has none."""
-    known = {}
-    with suppress(ParameterError):  # It may be no scenario without the axes.
-        known = quantity.base(given)
-    return {name: number(known.get(name)) for name in axes}
 
 
 def _description(quantity: Quantity, axes: Axes, base: Values) -> dict[str, Any]:

@@ -26,10 +26,8 @@ from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon._language import text
 from pymunk_dragon.errors import FileFormatError, OutputError, ParameterError
 from pymunk_dragon.studies import Result
+from pymunk_dragon.sweeps.axes import Axes, varied
 from pymunk_dragon.sweeps.quantities import Outcome, Quantity, Values
-
-# Values of each axis.
-Axes = Mapping[str, tuple[float, ...]]
 
 # Endings of tables and pictures.
 _TABLE = ".csv"
@@ -191,11 +189,6 @@ def check_format(path: str | Path, axes: Axes) -> Path:
         if len(varied(axes)) > 2:
             raise ParameterError("output", str(path), "a table, .csv, of more than two axes")
     return destination
-
-
-def varied(axes: Axes) -> list[str]:
-    """Names of the axes with more than one value."""
-    return [name for name, values in axes.items() if len(set(values)) > 1]
 
 
 def _sealed(values: Any) -> bytes:

@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal, get_args
+from typing import Any
 
 import numpy as np
 
 from pymunk_dragon._arguments import finite, positive, whole, word
+from pymunk_dragon.drawing.camera import Camera
 from pymunk_dragon.drawing.film.timing import ADVANCE, Timing, slowed
 from pymunk_dragon.drawing.marks import OVERLAYS
 from pymunk_dragon.drawing.snapshots import Source, march_of
@@ -17,11 +18,6 @@ from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 
-Subject = Literal["field", "head"]
-
-# m: bounds of the width of a view, which detect lengths in another unit. The least shows less than two holes of a
-# bench, the largest more ground than the longest dragon covers.
-_SPANS = 0.1, 1e5
 # Frames per second, of which whole centiseconds are delays in a GIF; at most the refresh rate of common screens.
 _FPS, _MAX_FPS = 20, 60
 # Pixels: in a smaller picture the text covers the dragon, and a film is not a suitable format for larger ones.
@@ -30,34 +26,6 @@ _SIZES = 64, 2048
 _MAX_FRAMES = 20_000
 # s: a longer one is taken for a typing error.
 _MAX_HOLD = 60.0
-
-
-@dataclass(frozen=True, kw_only=True)
-class Camera:
-    """Camera of a film: what it follows, and the width of its view.
-
-    Parameters
-    ----------
-    follow : {"field", "head"}
-        Keep the camera fixed over the whole field, or centre it on the head bench.
-    span : float, optional
-        Width of the ground in view, m, from 0.1 to 1e5. The default for "field" holds the dragon during the whole film,
-        the default for "head" is 20 times the head bench's width.
-
-    Examples
-    --------
-    >>> from pymunk_dragon import Camera
-    >>> Camera(follow="head", span=8.0)
-    Camera(follow='head', span=8.0)
-    """
-
-    follow: Subject = "field"
-    span: float | None = None
-
-    def __post_init__(self) -> None:
-        word("follow", self.follow, get_args(Subject))
-        if self.span is not None:
-            finite("span", self.span, *_SPANS, "m")
 
 
 @dataclass(frozen=True, kw_only=True)

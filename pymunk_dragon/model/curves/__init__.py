@@ -16,10 +16,11 @@ $ pymunk-dragon render u-turn.npz -o u-turn.gif
 `check_curve`; scenario files and saved runs can contain it if it has a ``kind``.
 """
 
+from pymunk_dragon.model.curves.arc import Arc
 from pymunk_dragon.model.curves.base import Curve
 from pymunk_dragon.model.curves.check import check_curve
 from pymunk_dragon.model.curves.composite import Composite, Reversed, Section
-from pymunk_dragon.model.curves.line_and_arc import Arc, Line
+from pymunk_dragon.model.curves.line import Line
 from pymunk_dragon.model.curves.sampled import Sampled
 from pymunk_dragon.model.curves.spiral import Spiral
 from pymunk_dragon.model.curves.u_turn import UTurn

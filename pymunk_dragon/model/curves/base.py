@@ -314,3 +314,12 @@ def _check_names(kind: str, given: Mapping[str, Any], where: str) -> None:
     for name, required in known.items():
         if required and name not in given:
             raise ParameterError(f"{where}.{name}", None, f"given: the kind {kind} has no default for it")
+
+
+def position(name: str, value: object) -> tuple[float, float]:
+    """`value` as x and y in m."""
+    xy = numbers(name, value)
+    if xy.shape != (2,) or not (np.abs(xy) <= FARTHEST).all():
+        raise ParameterError(name, value, f"two numbers x, y from {-FARTHEST:g} to {FARTHEST:g} m")
+    x, y = xy.tolist()
+    return x, y

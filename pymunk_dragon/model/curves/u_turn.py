@@ -9,9 +9,9 @@ from typing import ClassVar
 import numpy as np
 
 from pymunk_dragon._arguments import Array, finite
+from pymunk_dragon.model.curves.arc import Arc
 from pymunk_dragon.model.curves.base import Curve
 from pymunk_dragon.model.curves.composite import Composite, Section
-from pymunk_dragon.model.curves.line_and_arc import Arc
 from pymunk_dragon.model.curves.spiral import Spiral
 
 # m. Smaller circles are too narrow for benches; on larger ones, coordinates on the spiral lose digits.

@@ -1,0 +1,42 @@
+"""The camera of a film."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+from pymunk_dragon._arguments import finite, word
+
+Subject = Literal["field", "head"]
+
+# m: bounds of the width of a view, which detect lengths in another unit. The least shows less than two holes of a
+# bench, the largest more ground than the longest dragon covers.
+_SPANS = 0.1, 1e5
+
+
+@dataclass(frozen=True, kw_only=True)
+class Camera:
+    """Camera of a film: what it follows, and the width of its view.
+
+    Parameters
+    ----------
+    follow : {"field", "head"}
+        Keep the camera fixed over the whole field, or centre it on the head bench.
+    span : float, optional
+        Width of the ground in view, m, from 0.1 to 1e5. The default for "field" holds the dragon during the whole film,
+        the default for "head" is 20 times the head bench's width.
+
+    Examples
+    --------
+    >>> from pymunk_dragon import Camera
+    >>> Camera(follow="head", span=8.0)
+    Camera(follow='head', span=8.0)
+    """
+
+    follow: Subject = "field"
+    span: float | None = None
+
+    def __post_init__(self) -> None:
+        word("follow", self.follow, get_args(Subject))
+        if self.span is not None:
+            finite("span", self.span, *_SPANS, "m")
