@@ -50,8 +50,8 @@ for name in ("GrooveJoint", "PinJoint"):
 # ## Answer
 # More iterations help until the joints hold: up to some 60, three or four times as many leave less than a third of the
 # error. But each halving of the steps leaves about a quarter. The program also tests a joint: a `GrooveJoint`
-# pushes a body that slides just as it should, because it works out what would stop the hole and keeps the part across
-# the groove; a `PinJoint` minds that one direction only, so the dancers of this project hold their benches with pins.
+# pushes a body that slides just as it should, because it computes the impulse that would stop the hole and keeps the
+# part across the groove; a `PinJoint` constrains that one direction only, so the dancers hold their benches with pins.
 #
 # What does halving the steps leave of the error?
 # - All of it: as if only the solver made the error, and not the step.
