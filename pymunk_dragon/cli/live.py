@@ -83,6 +83,7 @@ def _wait_for_replay(session: Session, log: Log | None) -> None:
 def _write(session: Session, path: Path | None) -> None:
     """Write the recording, if there is a file for it."""
     if path is not None:
-        with written_in_place(path) as draft:
+        # The session may still be in its last step.
+        with session.held, written_in_place(path) as draft:
             draft.write_text(json.dumps(session.log()))
         common.wrote(path)
