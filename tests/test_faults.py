@@ -245,6 +245,7 @@ class Finder:
             raise ImportError from error
 sys.meta_path.insert(0, Finder)""",
 }
+UNINTERRUPTIBLE["import of the program"] = UNINTERRUPTIBLE["import"].replace("imageio_ffmpeg", "pymunk_dragon.cli")
 
 
 @pytest.mark.parametrize("code", UNINTERRUPTIBLE.values(), ids=UNINTERRUPTIBLE)
