@@ -12,10 +12,9 @@ from types import FrameType
 
 from pymunk_dragon._signals import ENDING
 
-# s after a signal in which others are ignored, as a SIGHUP after SIGTERM, while files are removed.
-_GRACE = 2.0
-# s until a signal is repeated, which is more than such code takes.
-_REPETITION = 0.05
+# s after a signal in which others are ignored, as a SIGHUP after SIGTERM, while files are removed; and until a signal
+# is repeated, which is more than a finalizer takes.
+_GRACE, _REPETITION = 2.0, 0.05
 
 
 class _Interruption(KeyboardInterrupt):
@@ -53,8 +52,10 @@ def main() -> None:
         from pymunk_dragon.cli import status
 
         code = status()
-    except KeyboardInterrupt:
-        # Before or after `status`, which prints this itself.
+    except (KeyboardInterrupt, Exception):
+        # Before or after `status`, which prints this itself. Python makes other errors of some interruptions.
+        if not received:
+            raise
         with suppress(AttributeError, OSError):  # There may be no stderr, or no space on its disk.
             sys.stderr.write("pymunk-dragon: interrupted\n")
     for number in handled:

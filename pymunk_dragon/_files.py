@@ -5,9 +5,10 @@ from __future__ import annotations
 import os
 import stat
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
+from pymunk_dragon._signals import signals_held
 from pymunk_dragon.errors import FileFormatError, OutputError, ParameterError
 
 # Bytes of a text file: 50,000 points with all their digits have 2.2 MB.
@@ -103,18 +104,33 @@ def _is_stream(path: Path) -> bool:
 
 
 @contextmanager
-def _draft(destination: Path) -> Iterator[Path]:
-    """A file in a new folder beside `destination`, or anywhere for what is not replaced; removed at the end."""
+def temporary_folder(parent: Path | None = None) -> Iterator[Path]:
+    """A new folder in `parent`, or for temporary files; signals wait while it is made, and while it is removed."""
     from tempfile import TemporaryDirectory
 
-    try:
-        beside = None if _is_stream(destination) else Path(os.path.realpath(destination)).parent
-        drafts = TemporaryDirectory(prefix=".pymunk-dragon-", dir=beside)
-    except (OSError, ValueError) as error:
-        bound = f"in a folder that can be written ({_reason(error)})"
-        raise ParameterError("output", str(destination), bound) from error
-    with drafts as folder:
-        yield Path(folder) / f"draft{destination.suffix}"
+    is_held = True
+    with signals_held(lambda: is_held) as release:
+        folder = TemporaryDirectory(prefix=".pymunk-dragon-" if parent else "pymunk-dragon-", dir=parent)
+        try:
+            is_held = False
+            release()
+            yield Path(folder.name)
+        finally:
+            is_held = True
+            folder.cleanup()
+
+
+@contextmanager
+def _draft(destination: Path) -> Iterator[Path]:
+    """A file in a new folder beside `destination`, or anywhere for what is not replaced; removed at the end."""
+    with ExitStack() as stack:
+        try:
+            beside = None if _is_stream(destination) else Path(os.path.realpath(destination)).parent
+            folder = stack.enter_context(temporary_folder(beside))
+        except (OSError, ValueError) as error:
+            bound = f"in a folder that can be written ({_reason(error)})"
+            raise ParameterError("output", str(destination), bound) from error
+        yield folder / f"draft{destination.suffix}"
 
 
 def _reason(error: Exception) -> str:

@@ -10,12 +10,7 @@ from pymunk_dragon import Arc, Composite, Dragon, Line, March, Sampled, SpeedTab
 U_TURN = March(Dragon(benches=30), UTurn())
 # A tractor with three trailers on a road that crosses itself, faster and slower.
 TRACTOR = March(
-    Dragon(
-        head_spacing=2.6,
-        body_spacing=[4.5, 3.0, 6.0],
-        overhang=[0.6, 0.5, 0.4, 0.7],
-        width=[1.8, 2.2, 1.6, 2.4],
-    ),
+    Dragon(head_spacing=2.6, body_spacing=[4.5, 3.0, 6.0], overhang=[0.6, 0.5, 0.4, 0.7], width=[1.8, 2.2, 1.6, 2.4]),
     Composite(
         [
             Line(start=(-30, 0), stop=(0, 0)),

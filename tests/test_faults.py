@@ -18,6 +18,7 @@ from conftest import LIMIT, assert_one_line, assert_says, not_under_coverage, re
 import pymunk_dragon
 from pymunk_dragon import OutputError
 from pymunk_dragon._files import check_destination, written_in_place
+from pymunk_dragon.lessons import LESSONS, record
 
 
 @pytest.fixture
@@ -48,6 +49,21 @@ def test_interruption_leaves_the_old_file_and_no_draft(old_file):
             assert_says(caught.value, str(old_file), "No space left on device")
         assert old_file.read_text() == "old"
         assert names(old_file.parent) == ["film.gif"]
+
+
+def test_interruption_where_a_draft_or_a_process_is_made_or_removed_leaves_neither(old_file, monkeypatch):
+    def interrupted(function, *arguments, **options):
+        made.append(function(*arguments, **options))
+        signal.raise_signal(signal.SIGINT)
+        return made[-1]
+
+    made, half, lesson = [], (write, old_file, "half", ValueError), (record, LESSONS["sat"])
+    for module, name, call in ((os, "mkdir", half), (os, "unlink", half), (subprocess, "Popen", lesson)):
+        with monkeypatch.context() as patch:
+            patch.setattr(module, name, partial(interrupted, getattr(module, name)))
+            refusal(*call, error=KeyboardInterrupt)
+        assert (names(old_file.parent), old_file.read_text()) == (["film.gif"], "old"), name
+    assert made[-1].poll() is not None
 
 
 def test_mode_of_a_file_is_that_of_the_old_one_or_the_usual_one(old_file):
@@ -186,13 +202,11 @@ def test_signal_ends_a_simulation_with_one_line_and_leaves_the_old_file(tmp_path
     path = tmp_path / "run.npz"
     path.write_bytes(b"old")
     mine, theirs = pty.openpty()
-    # A march that takes a quarter of an hour to play.
-    command = [*PROGRAM, "simulate", "--pitch", "5", "--turns", "60", "-o", str(path)]
-    if len(numbers) > 1:
-        command = ["bash", "-c", 'trap "" HUP; exec "$@"', "-", *command]
     # Tests that nohup started ignore SIGHUP.
-    with_hup = partial(signal.signal, signal.SIGHUP, signal.SIG_DFL)
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=theirs, text=True, preexec_fn=with_hup) as process:
+    hup = f"--{'ignore' if len(numbers) > 1 else 'default'}-signal=HUP"
+    # A march that takes a quarter of an hour to play.
+    command = ["env", hup, *PROGRAM, "simulate", "--pitch", "5", "--turns", "60", "-o", path]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=theirs, text=True) as process:
         os.close(theirs)
         # The terminal shows the time left.
         assert b"simulate" in read_until(mine, rb"simulate .*%.*\d\d:\d\d:\d\d")
@@ -231,6 +245,7 @@ class Finder:
             raise ImportError from error
 sys.meta_path.insert(0, Finder)""",
 }
+UNINTERRUPTIBLE["import of the program"] = UNINTERRUPTIBLE["import"].replace("imageio_ffmpeg", "pymunk_dragon.cli")
 
 
 @pytest.mark.parametrize("code", UNINTERRUPTIBLE.values(), ids=UNINTERRUPTIBLE)
@@ -311,11 +326,9 @@ def test_command_imports_only_what_it_uses(commands, tmp_path):
 @pytest.mark.thorough
 def test_film_that_is_interrupted_leaves_no_file_and_no_process(tmp_path):
     for name in ("film.gif", "film.mp4"):
-        options = ["--until", "400", "--speedup", "0.5", "--size", "96", "-o", tmp_path / name]
+        command = [*PROGRAM, "render", "--until", "400", "--speedup", "0.5", "--size", "96", "-o", tmp_path / name]
         pipe = subprocess.PIPE
-        with subprocess.Popen(
-            [*PROGRAM, "render", *options], stdout=pipe, stderr=pipe, text=True, start_new_session=True
-        ) as process:
+        with subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True, start_new_session=True) as process:
             wait_until(process, lambda: names(tmp_path))
             children = psutil.Process(process.pid).children(recursive=True)
             os.killpg(process.pid, signal.SIGINT)  # A terminal sends it to all of them.

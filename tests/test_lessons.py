@@ -12,7 +12,7 @@ from io import BytesIO
 import nbclient
 import nbformat
 import pytest
-from conftest import assert_says
+from conftest import LIMIT, assert_says
 from lesson_runs import played
 from PIL import Image
 
@@ -130,7 +130,8 @@ def test_program_copied_out_and_notebook_with_a_live_scene_do_the_same_as_the_le
     assert (done.stdout, done.stderr) == (found.printed, "")
     assert (tmp_path / "near-miss.png").exists()
     made = nbformat.reads(make_notebook(LESSONS["near-miss"]), as_version=4)
-    nbclient.NotebookClient(made, timeout=300, resources={"metadata": {"path": tmp_path}}).execute()
+    limits = dict.fromkeys(("timeout", "startup_timeout", "iopub_timeout"), LIMIT)
+    nbclient.NotebookClient(made, **limits, resources={"metadata": {"path": tmp_path}}).execute()
     outputs = [output for cell in made.cells if cell.cell_type == "code" for output in cell.outputs]
     assert "".join(output.text for output in outputs if output.get("name") == "stdout") == found.printed
     assert any("image/png" in output.get("data", {}) for output in outputs)

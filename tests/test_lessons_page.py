@@ -243,5 +243,5 @@ def test_experiments_with_pymunk_are_live_on_a_live_server(browser):
         # The live page by itself has a link to the lesson.
         seen.page.goto(running.address.replace("/?", "/live?"))
         seen.page.click("#lesson")
-        assert seen.page.url == f"{running.address}#tension"
+        seen.page.wait_for_url(f"{running.address}#tension")
         assert seen.complaints == []

@@ -33,7 +33,7 @@ from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.sessions import Slider, live
 from pymunk_dragon.sessions.ready import add, dragon, ready
-from pymunk_dragon.sessions.session import ACTIONS, load_log
+from pymunk_dragon.sessions.session import ACTIONS, Session, load_log
 
 SHORT = March(Dragon(benches=20))
 
@@ -655,16 +655,20 @@ def test_without_aiohttp_the_extra_is_named(call, monkeypatch):
 
 
 @linux_only
-def test_ctrl_c_ends_the_program_with_130_and_writes_a_recording_whose_replay_is_equal(call, tmp_path):
+def test_ctrl_c_ends_the_program_with_130_and_writes_a_recording_whose_replay_is_equal(call, tmp_path, monkeypatch):
     async def watch(address):
         async with joined(address) as client:
             await client.shown(lambda frame: frame.time > 0.1)
 
+    def log_between_steps(session, log=Session.log):
+        with ThreadPoolExecutor(1) as other:
+            assert not other.submit(session.held.acquire, blocking=False).result()
+        return log(session)
+
     path = tmp_path / "session.json"
     command = [sys.executable, "-m", "pymunk_dragon", "live", "--record", path, "--no-browser"]
-    with ExitStack() as stack:
-        process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        stack.enter_context(process)
+    pipe = subprocess.PIPE
+    with subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True) as process, ExitStack() as stack:
         stack.callback(process.kill)
         address = process.stdout.readline().split()[1]
         stack.enter_context(connected(address))
@@ -682,6 +686,7 @@ def test_ctrl_c_ends_the_program_with_130_and_writes_a_recording_whose_replay_is
     _, session = replayed(log)
     poses = session.scene.poses() + np.array([0.125, 0.0, -0.25])
     (tmp_path / "other.json").write_text(json.dumps(log | {"poses": poses.tolist()}))
+    monkeypatch.setattr(Session, "log", log_between_steps)
     code, out, err = call("live", "--exit", "--replay", tmp_path / "other.json", "-o", tmp_path / "written.json")
     assert (code, err) == (0, "")
     assert out == f"replay:  {log['steps']} steps, poses within 2.5e-01 m and rad of the recording\n"

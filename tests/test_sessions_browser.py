@@ -93,6 +93,12 @@ def wait_simulated(page, seconds):
     wait_until(page, f"live.frame.time > {page.evaluate('live.frame.time') + seconds}")
 
 
+def wait_pulled(page, x, y):
+    """Wait until the hand that holds a body is at a point, and then for 1.5 s of simulated time."""
+    wait_until(page, f"Math.hypot(live.frame.held?.[2] - {x}, live.frame.held?.[3] - {y}) < 0.05")
+    wait_simulated(page, 1.5)
+
+
 def log_of(session):
     """The log of a session between two steps."""
     with session.paused():
@@ -115,7 +121,7 @@ def test_rod_follows_the_mouse_and_the_replay_is_equal(browser):
         page.keyboard.press("Space")
         goal = place(page, 1.0, -1.0)
         page.mouse.move(*goal, steps=8)
-        wait_simulated(page, 1.5)
+        wait_pulled(page, 1.0, -1.0)
         x, y, angle = poses_of(session)[2]
         end = place(page, x + 0.4 * np.cos(angle), y + 0.4 * np.sin(angle))
         assert np.hypot(*np.subtract(end, goal)) < 15
@@ -175,8 +181,7 @@ def test_finger_drags_a_box_on_a_phone(browser):
         point("touchStart", begin)
         for share in np.linspace(0, 1, 9)[1:]:
             point("touchMove", [a + share * (b - a) for a, b in zip(begin, goal, strict=True)])
-        wait_until(page, "live.frame.held !== null")
-        wait_simulated(page, 1.5)
+        wait_pulled(page, x + 0.8, y + 0.8)
         later = poses_of(session)[-1]
         assert np.hypot(*(later[:2] - (x + 0.8, y + 0.8))) < 0.2
         point("touchEnd", None)

@@ -7,10 +7,11 @@ import os
 import subprocess
 import sys
 import time
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from importlib.util import find_spec
 from types import SimpleNamespace
 
+import conftest
 import nbformat
 import pytest
 from browser import needs_browser, opened, wait_until
@@ -180,13 +181,8 @@ def lab(folder):
         stderr=subprocess.DEVNULL,
     )
     try:
-
-        def ended():
-            with suppress(subprocess.TimeoutExpired):
-                process.wait(0.05)
-
         about = runtime / f"jpserver-{process.pid}.json"
-        wait(ended, lambda: process.poll() is not None or (about.exists() and about.read_text().rstrip().endswith("}")))
+        conftest.wait_until(process, lambda: about.exists() and about.read_text().rstrip().endswith("}"))
         found = json.loads(about.read_text())
         yield f"{found['url']}lab/tree/live.ipynb?token={found['token']}"
     finally:
@@ -242,7 +238,7 @@ def test_body_that_is_dragged_in_jupyterlab_moves_in_python_and_a_picture_remain
         text = page.wait_for_selector(".jp-CodeCell >> nth=1 >> .jp-OutputArea-output").inner_text()
         x, y = map(float, text.strip("<>\n ").split())
         assert (x, y) == pytest.approx((1.5, 1), abs=0.2)
-        page.keyboard.press("Control+s")
+        page.evaluate("jupyterapp.commands.execute('docmanager:save')")
         wait(lambda: page.wait_for_timeout(20), lambda: "<img" in (tmp_path / "live.ipynb").read_text())
         assert not [text for text in found.complaints if "Policy" in text or "Error" in text]
     with lab(tmp_path) as address, opened(browser, address, height=1600) as found:

@@ -27,10 +27,7 @@ def demo(name: str | None, save: str | None, output: str | None, live: bool, **a
     Without a name, list them. Each has a question, a guess, an experiment, the answer and a number to check.
     """
     lessons = list(LESSONS.values()) if name is None else [LESSONS[name]]
-    if save is not None and (name is None or output is not None or live or common.wants_json()):
-        raise click.UsageError("--save is for a lesson that is played: give its name, and no -o, --live or --json")
-    if (live and output is not None) or (common.flags_given(*address) and not live):
-        raise click.UsageError("--live needs no -o, and the options of a server need --live")
+    _refuse_combinations(name, save, output, live, address)
     if live:
         _serve(lessons, address)
     elif output is not None:
@@ -44,6 +41,16 @@ def demo(name: str | None, save: str | None, output: str | None, live: bool, **a
         common.answer({"printed": record(LESSONS[name]).printed})
     else:
         play(LESSONS[name], save, language=language())
+
+
+def _refuse_combinations(
+    name: str | None, save: str | None, output: str | None, live: bool, address: dict[str, Any]
+) -> None:
+    """Raise a usage error for options that exclude each other."""
+    if save is not None and (name is None or output is not None or live or common.wants_json()):
+        raise click.UsageError("--save is for a lesson that is played: give its name, and no -o, --live or --json")
+    if (live and output is not None) or (common.flags_given(*address) and not live):
+        raise click.UsageError("--live needs no -o, and the options of a server need --live")
 
 
 def _serve(lessons: list[Lesson], address: dict[str, Any]) -> None:

@@ -41,17 +41,7 @@ def live(scene: str | None, start: float, replay: str | None, ends: bool, output
     else:
         source = dragon(common.march(), start=start) if own else ready(scene or "dragon")
     session = Session(source, log=log)
-    if ends:
-        session.speed = math.inf
-        session.start()
-        try:
-            _wait_for_replay(session, log)
-        finally:
-            session.stop()
-        if path is not None:
-            common.save(path, session.log())
-    else:
-        serve(session, log, path, **address)
+    (_replay_at_once if ends else serve)(session, log, path, **address)
 
 
 def serve(session: Session, log: Log | None, path: Path | None, **address: Any) -> None:
@@ -67,8 +57,18 @@ def serve(session: Session, log: Log | None, path: Path | None, **address: Any) 
             sleep(1)
     finally:
         running.stop()
-        if path is not None:
-            common.save(path, session.log())
+        _record(session, path)
+
+
+def _replay_at_once(session: Session, log: Log | None, path: Path | None, **_: Any) -> None:
+    """Play a recording again as fast as possible."""
+    session.speed = math.inf
+    session.start()
+    try:
+        _wait_for_replay(session, log)
+    finally:
+        session.stop()
+    _record(session, path)
 
 
 def _wait_for_replay(session: Session, log: Log | None) -> None:
@@ -78,3 +78,11 @@ def _wait_for_replay(session: Session, log: Log | None) -> None:
     equal = text("replay:  {steps} steps, equal to the recording to the bit")
     other = text("replay:  {steps} steps, poses within {difference:.1e} m and rad of the recording")
     click.echo((other if difference else equal).format(steps=log["steps"], difference=difference))
+
+
+def _record(session: Session, path: Path | None) -> None:
+    """Write the recording, if there is a file for it."""
+    if path is not None:
+        with session.held:  # The session may still be in its last step.
+            log = session.log()
+        common.save(path, log)

@@ -10,8 +10,11 @@ import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from pymunk_dragon._extras import FEATURES
+from pymunk_dragon._files import temporary_folder
+from pymunk_dragon._signals import signals_held
 from pymunk_dragon.errors import DragonError, MissingExtraError, OutputError, ParameterError
 from pymunk_dragon.lessons._framework.lesson import Lesson
 
@@ -33,17 +36,15 @@ def run(lesson: Lesson, folder: Path) -> Iterator[str]:
     # Not by its folder on the path: a module of Python could have the name of a lesson.
     command = [sys.executable, "-P", "-u", str(lesson.path)]
     environment = os.environ | {"MPLBACKEND": "agg", "PYTHONIOENCODING": "utf-8"}
-    with subprocess.Popen(
-        command,
-        cwd=folder,
-        env=environment,
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        encoding="utf-8",
-    ) as process:
+    options: dict[str, Any] = {"cwd": folder, "env": environment, "encoding": "utf-8", "stdin": subprocess.DEVNULL}
+    options |= {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    is_held = True
+    # Signals wait until the process has started, so that it is always ended.
+    with signals_held(lambda: is_held) as release, subprocess.Popen(command, **options) as process:
         assert process.stdout is not None
         try:
+            is_held = False
+            release()
             yield from process.stdout
             _, errors = process.communicate()
         finally:
@@ -80,8 +81,7 @@ def record(lesson: Lesson) -> Recording:
     >>> record(LESSONS["spiral"]).printed.splitlines()[0]
     't =   0 s  r = 8.800 m  walking 1.000 m/s  turning 0.114 rad/s, a round in 55.3 s'
     """
-    with tempfile.TemporaryDirectory(prefix="pymunk-dragon-") as name:
-        folder = Path(name)
+    with temporary_folder() as folder:
         printed = "".join(run(lesson, folder))
         file = picture(lesson, folder)
         return Recording(lesson, printed, file.read_bytes(), file.suffix)
