@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from importlib import import_module
-from importlib.util import find_spec
 from typing import Any
 
 from pymunk_dragon.errors import MissingExtraError, OutputError
@@ -39,9 +38,3 @@ def library(name: str) -> Any:
 def missing_extra(name: str) -> MissingExtraError:
     """The error for a library that is not installed."""
     return MissingExtraError(*(FEATURES.get(name) or FEATURES[name.partition(".")[0]]))
-
-
-def require(name: str, feature: str, extra: str) -> None:
-    """Raise the error that names the extra of a feature if a library, which is not imported, is not installed."""
-    if find_spec(name) is None:
-        raise MissingExtraError(feature, extra)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import stat
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from pymunk_dragon._signals import signals_held
@@ -21,7 +21,7 @@ def check_destination(path: str | Path, endings: Iterable[str]) -> Path:
     A device or a FIFO needs no ending if there is only one to choose from.
     """
     destination, known = Path(path), list(endings)
-    with _draft(destination):
+    with temporary_folder(destination):
         unnamed = len(known) == 1 and _is_stream(destination)
     if destination.is_dir():
         raise ParameterError("output", str(path), "a file, not a folder")
@@ -39,7 +39,8 @@ def written_in_place(path: str | Path) -> Iterator[Path]:
     """
     destination = Path(path)
     try:
-        with _draft(destination) as draft:
+        with temporary_folder(destination) as folder:
+            draft = folder / f"draft{destination.suffix}"
             yield draft
             if _is_stream(destination):
                 destination.write_bytes(draft.read_bytes())
@@ -104,13 +105,19 @@ def _is_stream(path: Path) -> bool:
 
 
 @contextmanager
-def temporary_folder(parent: Path | None = None) -> Iterator[Path]:
-    """A new folder in `parent`, or for temporary files; signals wait while it is made, and while it is removed."""
+def temporary_folder(destination: Path | None = None) -> Iterator[Path]:
+    """A new folder beside a file that is to be replaced, or anywhere; signals wait while it is made and removed."""
     from tempfile import TemporaryDirectory
 
     is_held = True
     with signals_held(lambda: is_held) as release:
-        folder = TemporaryDirectory(prefix=".pymunk-dragon-" if parent else "pymunk-dragon-", dir=parent)
+        try:
+            is_replaced = destination is not None and not _is_stream(destination)
+            beside = os.path.dirname(os.path.realpath(str(destination))) if is_replaced else None
+            folder = TemporaryDirectory(prefix=".pymunk-dragon-", dir=beside)
+        except (OSError, ValueError) as error:
+            bound = f"in a folder that can be written ({_reason(error)})"
+            raise ParameterError("output", str(destination), bound) from error
         try:
             is_held = False
             release()
@@ -118,19 +125,6 @@ def temporary_folder(parent: Path | None = None) -> Iterator[Path]:
         finally:
             is_held = True
             folder.cleanup()
-
-
-@contextmanager
-def _draft(destination: Path) -> Iterator[Path]:
-    """A file in a new folder beside `destination`, or anywhere for what is not replaced; removed at the end."""
-    with ExitStack() as stack:
-        try:
-            beside = None if _is_stream(destination) else Path(os.path.realpath(destination)).parent
-            folder = stack.enter_context(temporary_folder(beside))
-        except (OSError, ValueError) as error:
-            bound = f"in a folder that can be written ({_reason(error)})"
-            raise ParameterError("output", str(destination), bound) from error
-        yield folder / f"draft{destination.suffix}"
 
 
 def _reason(error: Exception) -> str:

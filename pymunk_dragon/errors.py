@@ -11,10 +11,8 @@ _SHORT.maxother = 80
 
 def one_line(text: str) -> str:
     """`text` with single spaces, and escape sequences for control characters."""
-    return "".join(
-        character if character.isprintable() else character.encode("unicode_escape").decode()
-        for character in " ".join(text.split())
-    )
+    words = " ".join(text.split())
+    return "".join(each if each.isprintable() else each.encode("unicode_escape").decode() for each in words)
 
 
 class DragonError(Exception):

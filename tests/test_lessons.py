@@ -211,7 +211,7 @@ def test_without_a_library_one_line_names_the_extra(call, monkeypatch, tmp_path)
     (tmp_path / "matplotlib.py").write_text("""raise ModuleNotFoundError("No module named 'matplotlib'")""")
     monkeypatch.setenv("PYTHONPATH", str(tmp_path), prepend=":")
     for found in (True, None):
-        monkeypatch.setattr("pymunk_dragon._extras.find_spec", lambda name, found=found: found)
+        monkeypatch.setattr("pymunk_dragon.lessons._framework.terminal.find_spec", lambda name, found=found: found)
         code, out, err = call("demo", "spiral")
         assert (code, err.count("\n"), "pymunk-dragon[demos]" in err) == (2, 1, True)
     assert out == ""  # A library that is not found is named before the texts.

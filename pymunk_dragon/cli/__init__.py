@@ -93,10 +93,8 @@ def status(arguments: list[str] | None = None) -> int:
         return _run(sys.argv[1:] if arguments is None else arguments)
     except click.ClickException as error:
         return _complain(error.format_message(), _BAD_INPUT)
-    except errors.DragonError as error:
+    except (errors.DragonError, KeyboardInterrupt) as error:
         return _complain(str(error), _BAD_INPUT if isinstance(error, _INPUT_ERRORS) else _FAILED, error)
-    except KeyboardInterrupt as end:
-        return _complain("interrupted", _INTERRUPTED, end)
     except BrokenPipeError:
         # The reader of stdout has closed it, as `head` does.
         return _drop_output()
@@ -121,10 +119,6 @@ def _run(arguments: list[str]) -> int:
     except click.exceptions.NoArgsIsHelpError as error:
         error.show()
         return _BAD_INPUT
-    except Exception as error:
-        if interruption := interruption_of(error):
-            raise interruption from None
-        raise
     sys.stdout.flush()
     return _DONE
 
@@ -148,6 +142,8 @@ def _drop_output() -> int:
 
 def _complain(message: str, code: int, error: BaseException | None = None) -> int:
     """Print a message and the notes of an error in one line, and return the exit code."""
+    if interruption_of(error):
+        message, code = "interrupted", _INTERRUPTED
     with suppress(OSError):
         click.echo(f"{PROGRAM}: {errors.one_line('; '.join([message, *getattr(error, '__notes__', ())]))}", err=True)
     return code

@@ -27,7 +27,7 @@ def demo(name: str | None, save: str | None, output: str | None, live: bool, **a
     Without a name, list them. Each has a question, a guess, an experiment, the answer and a number to check.
     """
     lessons = list(LESSONS.values()) if name is None else [LESSONS[name]]
-    _refuse_combinations(name, save, output, live, address)
+    _refuse_combinations(name, {*common.flags_given("save", "output", "live", "json", *address)})
     if live:
         _serve(lessons, address)
     elif output is not None:
@@ -43,13 +43,11 @@ def demo(name: str | None, save: str | None, output: str | None, live: bool, **a
         play(LESSONS[name], save, language=language())
 
 
-def _refuse_combinations(
-    name: str | None, save: str | None, output: str | None, live: bool, address: dict[str, Any]
-) -> None:
-    """Raise a usage error for options that exclude each other."""
-    if save is not None and (name is None or output is not None or live or common.wants_json()):
+def _refuse_combinations(name: str | None, flags: set[str]) -> None:
+    """Raise a usage error for flags that exclude each other, or are for another way to play."""
+    if "--save" in flags and (name is None or flags & {"-o", "--live", "--json"}):
         raise click.UsageError("--save is for a lesson that is played: give its name, and no -o, --live or --json")
-    if (live and output is not None) or (common.flags_given(*address) and not live):
+    if flags >= {"-o", "--live"} or ("--live" not in flags and flags - {"-o", "--save", "--json"}):
         raise click.UsageError("--live needs no -o, and the options of a server need --live")
 
 

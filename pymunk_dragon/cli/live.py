@@ -57,7 +57,8 @@ def serve(session: Session, log: Log | None, path: Path | None, **address: Any) 
             sleep(1)
     finally:
         running.stop()
-        _record(session, path)
+        if path is not None:
+            common.save(path, session.log())
 
 
 def _replay_at_once(session: Session, log: Log | None, path: Path | None, **_: Any) -> None:
@@ -68,7 +69,8 @@ def _replay_at_once(session: Session, log: Log | None, path: Path | None, **_: A
         _wait_for_replay(session, log)
     finally:
         session.stop()
-    _record(session, path)
+    if path is not None:
+        common.save(path, session.log())
 
 
 def _wait_for_replay(session: Session, log: Log | None) -> None:
@@ -78,11 +80,3 @@ def _wait_for_replay(session: Session, log: Log | None) -> None:
     equal = text("replay:  {steps} steps, equal to the recording to the bit")
     other = text("replay:  {steps} steps, poses within {difference:.1e} m and rad of the recording")
     click.echo((other if difference else equal).format(steps=log["steps"], difference=difference))
-
-
-def _record(session: Session, path: Path | None) -> None:
-    """Write the recording, if there is a file for it."""
-    if path is not None:
-        with session.held:  # The session may still be in its last step.
-            log = session.log()
-        common.save(path, log)

@@ -160,10 +160,11 @@ class Session:
         return own | dict(without_nan(self.scene.state()))
 
     def log(self) -> Log:
-        """Return what was done since the scene was built; the session must not step meanwhile."""
-        scene, inputs = self.scene, [json.loads(each) for each in self.inputs]
-        about = {"plan": self.source.plan, "values": self.values, "steps": scene.steps}
-        return about | {"inputs": inputs, "poses": scene.poses().tolist()}
+        """Return what was done since the scene was built."""
+        with self.held:
+            inputs, poses = [json.loads(each) for each in self.inputs], self.scene.poses().tolist()
+            values = {"plan": self.source.plan, "values": self.values, "steps": self.scene.steps}
+        return values | {"inputs": inputs, "poses": poses}
 
     def wait_for_replay(self) -> float | None:
         """Wait for the end of a replay; return the difference of its last poses, m or rad, or None without an end."""
