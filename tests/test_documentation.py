@@ -22,6 +22,7 @@ from documents import DOCUMENTS, GUIDES, ROOT
 import pymunk_dragon
 from pymunk_dragon import Dragon, March, Run, write_player
 from pymunk_dragon.lessons import LESSONS
+from pymunk_dragon.model import _display
 
 RENDERS = ROOT / "renders"
 
@@ -111,6 +112,14 @@ def test_links_have_names_headings_skip_no_level_and_what_scrolls_has_focus(page
 def test_teachers_find_every_lesson_below_a_question():
     _, section, *_ = re.split("^## (?=Which lesson)|^## (?=What each)", GUIDES["teachers"].text, flags=re.MULTILINE)
     assert set(re.findall(r"`([a-z-]+)`", section)) == set(LESSONS)
+
+
+def test_no_line_of_a_page_is_longer_than_120_columns():
+    files = [*(ROOT / "pymunk_dragon").rglob("*.*"), *RENDERS.glob("templates/*")]
+    pages = [path for path in files if path.suffix in (".js", ".css", ".html", ".j2", ".jinja2")]
+    lines = [(path.name, line) for path in pages for line in path.read_text(encoding="utf-8").splitlines()]
+    assert {name for name, _ in lines} > {"live.html", "live.css", "live.js", "lessons.html.j2", "custom.css"}
+    assert [(name, line) for name, line in lines if _display.width(line) > 120] == []
 
 
 def test_every_committed_picture_is_described_in_a_text():

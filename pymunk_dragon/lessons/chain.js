@@ -2,7 +2,7 @@
 stages.chain = (lab) => {
   const snap = 0.05; // m: a handle so close to a point of the spiral is put on it
   const time = lab.slider(["time", "时间"], { min: 0, max: 420, step: 1, value: 300, unit: "s", play: () => 10 });
-  const bench = lab.slider(["handle to handle", "两把手间距"], { min: 1, max: 2.86, step: 0.01, value: 2.86, unit: "m" });
+  const bench = lab.slider(["handle to handle", "把手间距"], { min: 1, max: 2.86, step: 0.01, value: 2.86, unit: "m" });
   const { spiral, begin } = new March(), points = curvePoints(spiral, begin - 200, 0), found = new Set();
   let angle = 0.5, head, from, right, met, own, correct;
 
@@ -21,7 +21,8 @@ stages.chain = (lab) => {
     return roots;
   };
 
-  lab.label = ["Handle 0 on the spiral, the circle about it, and the next handle", "螺线上的 0 号把手，以它为圆心的圆，和下一个把手"];
+  lab.label = ["Handle 0 on the spiral, the circle about it, and the next handle",
+    "螺线上的 0 号把手，以它为圆心的圆，和下一个把手"];
   lab.update = () => {
     head = begin + time.value;
     from = spiral.frame(head);

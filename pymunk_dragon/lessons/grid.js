@@ -6,7 +6,8 @@ stages.grid = (lab) => {
   const handles = new March().chain(contact).points;
   let picked = 8, benches, grid, filed, partners;
 
-  lab.label = ["The dragon on a grid, and the benches that share a cell with one", "网格上的板凳龙，以及与一节板凳同在一格的板凳"];
+  lab.label = ["The dragon on a grid, and the benches that share a cell with one",
+    "网格上的板凳龙，以及与一节板凳同在一格的板凳"];
   lab.update = () => {
     benches = benchesBetween(makeDragon({ benches: count.value }), handles.slice(0, count.value + 1));
     grid = { cell: cell.value, origin: [-corner, corner] };

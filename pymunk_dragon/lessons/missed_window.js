@@ -28,7 +28,8 @@ stages["missed-window"] = (lab) => {
     const samples = to - from < 100 * length ? points(length, [from, to]) : [];
     for (const sample of samples) pane.dot(sample, { colour: sample[1] > 0 ? "text" : "contact" });
   } });
-  lab.label = ["The head beside the bench that it passes; below, its gap, with samples", "龙头和它经过的板凳；下方是空隙和采样"];
+  lab.label = ["The head beside the bench that it passes; below, its gap, with samples",
+    "龙头和它经过的板凳；下方是空隙和采样"];
   lab.update = () => {
     time.value = bounded(time.value, begin, end);
     length = roundNumber(step.value);
@@ -48,7 +49,8 @@ stages["missed-window"] = (lab) => {
     const t = sampled(found).toFixed(3), missed = found === touching[0] ? null : touching[0];
     const long = missed && (missed.to - missed.from).toFixed(3);
     const [english, chinese] = missed?.to > now.seen ? ["", ""] : !missed ? ["No contact was missed.", "没有漏掉接触。"]
-      : [`Missed: bench ${missed.bench}, touched for ${long} s.`, `漏掉了与 ${missed.bench} 号板凳的接触，历时 ${long} s。`];
+      : [`Missed: bench ${missed.bench}, touched for ${long} s.`,
+        `漏掉了与 ${missed.bench} 号板凳的接触，历时 ${long} s。`];
     const [at, size] = [time.value, 1000 * now.gap].map((value) => value.toFixed(3).replace("-", "−"));
     return [
       `${at} s: gap ${size} mm. The samples find the head in bench ${found.bench} at ${t} s. ${english}`,

@@ -17,7 +17,8 @@ stages["near-miss"] = (lab) => {
     benchesBetween(march.dragon, march.chain(t, handles).points.map((point) => point.map(cut)));
   const upToNow = () => gaps.filter(([t]) => t < now.seen + 1e-9);
   const view = () => ({
-    across: [begin, end], up: [-8, 30], name: ["gap of the head (mm) by the time (s)", "龙头的空隙 (mm) 随时间 (s) 的变化"],
+    across: [begin, end], up: [-8, 30],
+    name: ["gap of the head (mm) by the time (s)", "龙头的空隙 (mm) 随时间 (s) 的变化"],
   });
   const now = gapPanes(lab, { time, size: () => 5 / 10 ** zoom.value, benchesAt, view, draw: (pane) => {
     pane.line(upToNow(), { colour: "body", width: 2 });
@@ -34,7 +35,8 @@ stages["near-miss"] = (lab) => {
   lab.readout = () => {
     const { bench, gap } = now, size = Math.abs(1000 * gap).toFixed(3);
     const t = time.value.toFixed(2), first = upToNow().find((each) => each[1] <= 0)?.[0].toFixed(2);
-    const [english, chinese] = gap > 0 ? [`the gap to bench ${bench} is ${size} mm`, `与 ${bench} 号板凳的空隙为 ${size} mm`]
+    const [english, chinese] = gap > 0
+      ? [`the gap to bench ${bench} is ${size} mm`, `与 ${bench} 号板凳的空隙为 ${size} mm`]
       : [`the head overlaps bench ${bench} by ${size} mm`, `龙头与 ${bench} 号板凳重叠 ${size} mm`];
     const hit = first ? [`the first at ${first} s`, `第一次在 ${first} s`] : ["none", "无"];
     return [`${t} s: ${english}. Overlaps until now: ${hit[0]}.`, `${t} s：${chinese}。至此的重叠：${hit[1]}。`];

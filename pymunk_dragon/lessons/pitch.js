@@ -47,7 +47,8 @@ stages.pitch = (lab) => {
     const away = (spiral.k * spiral.angle(begin + stop)).toFixed(3), bench = stop && march.passed(stop, 30).bench;
     const [english, chinese] = stop === null ? ["The dragon gets in.", "板凳龙能进去。"]
       : stop === 0 ? ["Benches overlap at the start.", "一开始就有板凳重叠。"]
-      : [`The head meets bench ${bench}, ${away} m from the centre.`, `龙头在离中心 ${away} m 处碰到 ${bench} 号板凳。`];
+      : [`The head meets bench ${bench}, ${away} m from the centre.`,
+        `龙头在离中心 ${away} m 处碰到 ${bench} 号板凳。`];
     return [
       `${english} Smallest gap of the last ${last} s: ${all} mm; in the samples: ${seen} mm.`,
       `${chinese}最后 ${last} s 的最小空隙：${all} mm；采样所见：${seen} mm。`,

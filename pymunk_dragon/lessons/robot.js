@@ -75,7 +75,8 @@ stages.robot = (lab) => {
     const [low, high] = [Math.min(...speeds), Math.max(...speeds)].map((each) => each.toFixed(3));
     const [english, chinese] = time.value < total ? ["", ""]
       : stop === null ? [`The tip reaches the end after ${at} s.`, `${at} s 后末端到达终点。`]
-      : hit.length ? [`Link ${hit[0]} runs into link ${hit[1]} at ${at} s.`, `${at} s 时 ${hit[0]} 号连杆碰到 ${hit[1]} 号。`]
+      : hit.length ? [`Link ${hit[0]} runs into link ${hit[1]} at ${at} s.`,
+        `${at} s 时 ${hit[0]} 号连杆碰到 ${hit[1]} 号。`]
       : [`At ${at} s a bend is too narrow for a link.`, `${at} s 时弯太急，有一节连杆转不过去。`];
     return [
       `The tip goes at 0.200 m/s, the joints at ${low} to ${high} m/s. ${english}`,

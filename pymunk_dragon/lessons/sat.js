@@ -18,7 +18,8 @@ stages.sat = (lab) => {
     return { shadows, light, at };
   };
 
-  lab.label = ["Two benches, and their shadows on walls along their sides", "两节板凳，以及它们在与各边平行的墙上的影子"];
+  lab.label = ["Two benches, and their shadows on walls along their sides",
+    "两节板凳，以及它们在与各边平行的墙上的影子"];
   lab.update = () => {
     benches = new Benches(makeDragon({ benches: 2, head: 2 * hole }), posesFrom(2, (i) => poses[i]));
     const [blue, amber] = poses.map((pose) => pose[2]), turn = Math.PI / 2;
@@ -61,7 +62,8 @@ stages.sat = (lab) => {
     const lit = n === 0 ? [`Walls with light: none of ${all}.`, `${all} 面墙上都没有光。`]
       : [`Walls with light: ${n} of ${all}, up to ${most} m wide.`, `${all} 面墙中 ${n} 面有光，最宽 ${most} m。`];
     const turned = Math.round((poses[1][2] - poses[0][2]) / Math.PI * 180 + 720) % 180;
-    const verdict = distance > 0 ? [`are ${size} m apart`, `相距 ${size} m`] : [`overlap by ${size} m`, `重叠 ${size} m`];
+    const verdict = distance > 0 ? [`are ${size} m apart`, `相距 ${size} m`]
+      : [`overlap by ${size} m`, `重叠 ${size} m`];
     return [`${lit[0]} The benches, at ${turned}°, ${verdict[0]}.`, `${lit[1]}两节板凳成 ${turned}°，${verdict[1]}。`];
   };
 };

@@ -11,7 +11,8 @@ stages["speed-limit"] = (lab) => {
   let shown, curve, points, profile, peak, most, chain, speeds, fastest, seen = from;
 
   const largest = (s) => Math.max(...chainAt(curve, dragon, s, followed).ratios.map(Math.abs));
-  lab.label = ["The dragon, red where it is too fast; below, the speed of the fastest handle", "板凳龙，红色处超速；下方是最快的把手的速度"];
+  lab.label = ["The dragon, red where it is too fast; below, the speed of the fastest handle",
+    "板凳龙，红色处超速；下方是最快的把手的速度"];
   lab.update = () => {
     if (shown !== ratio.value) {
       [shown, curve] = [ratio.value, new UTurn({ ratio: ratio.value })];

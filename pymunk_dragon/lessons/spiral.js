@@ -6,7 +6,8 @@ stages.spiral = (lab) => {
   const dragon = makeDragon();
   let spiral, begin, end, head, points, marks;
 
-  lab.label = ["The dragon, and the angle of 5 s of its walk seen from the centre", "板凳龙，以及从中心看它走 5 s 所张的角"];
+  lab.label = ["The dragon, and the angle of 5 s of its walk seen from the centre",
+    "板凳龙，以及从中心看它走 5 s 所张的角"];
   lab.update = () => {
     if (spiral?.k !== pitch.value / TURN) {
       spiral = new Spiral(pitch.value);

@@ -7,7 +7,8 @@ stages.velocity = (lab) => {
   const march = new March(), { spiral, dragon } = march, points = curvePoints(spiral, march.begin - 370, 0);
   let chain, speeds, error, tried, triedAt;
 
-  lab.label = ["The dragon, the slower the darker; below, the error of its speeds", "板凳龙，颜色越深越慢；下方是速度的误差"];
+  lab.label = ["The dragon, the slower the darker; below, the error of its speeds",
+    "板凳龙，颜色越深越慢；下方是速度的误差"];
   lab.update = () => {
     const length = 10 ** step.value, later = march.chain(time.value + length);
     chain = march.chain(time.value);
@@ -29,7 +30,8 @@ stages.velocity = (lab) => {
   // 10⁻³ of -3.
   const tick = (n) => `10${String(n).replace(/./g, (digit) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(digit)])}`;
   const chart = lab.pane(0.45, () => ({
-    across: [-10.4, 0.4], up: [-10, -1], tick, name: ["error (m/s) by the time step (s)", "误差 (m/s) 随时间步长 (s) 的变化"],
+    across: [-10.4, 0.4], up: [-10, -1], tick,
+    name: ["error (m/s) by the time step (s)", "误差 (m/s) 随时间步长 (s) 的变化"],
   }), (pane) => {
     for (const each of tried) pane.dot(each, { colour: "body" });
   });

@@ -22,6 +22,8 @@ PLAYER_ENDINGS = (".html",)
 # Scripts that player and live page share, and those of the player; each uses only those before it.
 _SHARED = ("common", "texts", "geometry", "pane", "view", "format", "marks", "paint", "pointer", "stage")
 _SCRIPTS = ("decode", "motion", "exact", "picture", "timeline", "link", "player", "controls", "main")
+# What `<svg>` in the pages' HTML stands for: an icon of a control, which has a name.
+_ICON = '<svg viewBox="0 0 20 20" aria-hidden="true">'
 # Counterparts of the films' colours on a dark ground: bright benches with dark outlines have the same contrast there.
 DARK = Palette(
     background="#171b22",
@@ -120,6 +122,7 @@ def document(body: str, style: str, script: str, connections: str = "", **values
     style = colour_variables() + asset("pymunk_dragon", "web/page.css") + style
     script = "".join(asset("pymunk_dragon", f"web/{name}.js") for name in _SHARED) + script
     rules, page = policy(style, script) + connections, html.pop("head") + body + html.pop("tail")
+    page, html["zoom"] = (each.replace("<svg>", _ICON) for each in (page, html["zoom"]))
     return substituted(page, policy=escape(rules), style=style, script=script, **html, **values), rules
 
 

@@ -21,6 +21,11 @@ _CURVES |= {"Line": "straight line", "Arc": "circular arc"}
 # The sizes of a curve in sentences, and the players.
 _SIZES = {"pitch": ", pitch {size} m", "radius": ", in a circle of {size} m", "length": " of {size} m"}
 _PLAYERS = {"pymunk": "played by Pymunk", "exact": "played by the exact model", None: "of an unknown player"}
+# Below the tables of a report.
+NOTE = (
+    "Metres, seconds and radians; x to the right, y up. A normal points from the first bench to the second; "
+    "relative velocities and impulses are those of the second bench."
+)
 # Units of parameters and settings, where they have one.
 _UNITS = dict.fromkeys(("head_spacing", "body_spacing", "overhang", "width", "pitch", "radius", "length"), " m")
 _UNITS |= dict.fromkeys(("start", "until", "substep", "frame_interval"), " s")

@@ -4,10 +4,12 @@ const TURN = 2 * Math.PI;
 
 const element = (id) => document.getElementById(id);
 
-// Set a text only if it changes: a change costs the browser more than drawing does.
-function setText(id, text) {
-  if (element(id).textContent !== text) element(id).textContent = text;
+// Set a property only if it changes: a change costs the browser more than drawing does.
+function write(target, name, value) {
+  if (target[name] !== value) target[name] = value;
 }
+
+const setText = (id, text) => write(element(id), "textContent", text);
 
 function created(tag, properties = {}, ...children) {
   const made = Object.assign(document.createElement(tag), properties);
@@ -52,9 +54,7 @@ function nearestWithin(slip, items, distanceOf) {
   return found;
 }
 
-function bounded(value, least, most) {
-  return Math.min(Math.max(value, least), most);
-}
+const bounded = (value, least, most) => Math.min(Math.max(value, least), most);
 
 // Call `action` with the newest value, at most once in `interval` ms.
 function throttled(action, interval) {

@@ -24,9 +24,7 @@ function drawHandles(painter, benches, visible) {
   const { context, colours, view } = painter;
   const radius = Math.max(SMALLEST_HANDLE, HANDLE_SIZE * painter.payload.dragon.hole * view.scale);
   const path = painter.drawHoles(benches, visible, radius, colours.background);
-  context.strokeStyle = colours.text;
-  context.lineWidth = Math.min(1.25, 0.4 * radius);
-  context.stroke(path);
+  strokeOnce(context, path, colours.text, Math.min(1.25, 0.4 * radius));
 }
 
 function drawVelocities(painter, benches, visible) {
@@ -58,10 +56,8 @@ function addArrow(path, [px, py], dx, dy) {
 function drawNumbers(painter, benches, visible, inContact) {
   const { context, colours, motion, view } = painter;
   const { x, y, angle } = benches.poses, thickness = motion.narrowest * view.scale;
-  context.textAlign = "center";
-  context.textBaseline = "middle";
   if (thickness < NUMBERED_BENCH) {
-    context.font = `600 12px ${painter.font}`;
+    painter.setFont("600 12px", "center", "middle");
     const labelled = [];
     for (const i of visible.toReversed()) {
       if (i % NUMBER_EVERY && i !== motion.benches - 1 && !inContact.has(i)) continue;
@@ -72,7 +68,7 @@ function drawNumbers(painter, benches, visible, inContact) {
     }
     return;
   }
-  context.font = `${Math.min(0.72 * thickness, 16)}px ${painter.font}`;
+  painter.setFont(`${Math.min(0.72 * thickness, 16)}px`, "center", "middle");
   const upright = context.getTransform();
   for (const i of visible) {
     const [px, py] = view.toScreen(x[i], y[i]);
@@ -107,9 +103,7 @@ function drawContacts(painter, time, benches, touching) {
 // Text beside a point: at the right, at the left if there is no room, and otherwise as far to the right as there is.
 function drawLabel(painter, text, px, py) {
   const { context, view } = painter;
-  context.font = `600 13px ${painter.font}`;
-  context.textBaseline = "middle";
-  context.textAlign = "left";
+  painter.setFont("600 13px", "left", "middle");
   const { width } = context.measureText(text);
   const rightmost = view.width - ZOOM_BUTTONS - width;
   const beside = [px + LABEL_OFFSET, px - LABEL_OFFSET - width].find((left) => left > 0 && left <= rightmost);

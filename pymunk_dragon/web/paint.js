@@ -56,9 +56,8 @@ class Painter {
       path.lineTo(...view.toScreen(nextX, nextY));
       drawn = to;
     }
-    context.strokeStyle = this.colours.curve;
-    context.lineWidth = Math.max(THINNEST_CURVE, CURVE_WIDTH * this.motion.narrowest * view.scale);
-    context.stroke(path);
+    const width = Math.max(THINNEST_CURVE, CURVE_WIDTH * this.motion.narrowest * view.scale);
+    strokeOnce(context, path, this.colours.curve, width);
   }
 
   outline(path, benches, i) {
@@ -79,9 +78,7 @@ class Painter {
       for (const i of chosen) this.outline(path, benches, i);
       context.fillStyle = this.colourOf(chosen[0], inContact);
       context.fill(path);
-      context.strokeStyle = border;
-      context.lineWidth = width;
-      context.stroke(path);
+      strokeOnce(context, path, border, width);
     };
     // Only neighbours overlap, so even benches share a path, and odd ones are drawn on top of them.
     for (const parity of [0, 1]) paint(visible.filter((i) => i % 2 === parity && !special(i)));
@@ -121,6 +118,10 @@ class Painter {
   colourOf(i, inContact) {
     const { contact, head, tail, body } = this.colours;
     return i === 0 ? head : inContact.has(i) ? contact : i === this.motion.benches - 1 ? tail : body;
+  }
+
+  setFont(font, textAlign, textBaseline) {
+    Object.assign(this.context, { font: `${font} ${this.font}`, textAlign, textBaseline });
   }
 
   // Text with a rim of the background's colour.

@@ -8,8 +8,7 @@ const WHEEL_LINE = 16; // pixels: a line of wheels that count lines
 // panning the view, until it is `dropped`.
 function listenToPointers(canvas, view, { moved, hovered, tapped, taken = () => false, carried, dropped }) {
   const down = new Map();
-  let slipped = false;
-  let holds = false;
+  let slipped = false, holds = false;
   const drop = () => {
     if (holds) dropped();
     holds = false;

@@ -71,9 +71,7 @@ function showKeys() {
   }));
 }
 
-function otherLanguage() {
-  return Object.keys(CATALOGUES).find((each) => each !== language);
-}
+const otherLanguage = () => Object.keys(CATALOGUES).find((each) => each !== language);
 
 function showPlaying(playing) {
   document.body.classList.toggle("playing", playing);

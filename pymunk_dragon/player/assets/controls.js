@@ -23,8 +23,7 @@ function connect(player) {
     tapped: ([px]) => player.seek(timeline.timeOfClick(px)),
   });
   listenToWheel(element("time"), timeline, () => player.requestDraw());
-  element("time").disabled = player.length === 0;
-  for (const id of ["play", "back", "forward", "last"]) element(id).disabled = player.length === 0;
+  for (const id of ["time", "play", "back", "forward", "last"]) element(id).disabled = player.length === 0;
   for (const id of ["previous", "next", "events"]) element(id).disabled = !player.events.length;
   addEventListener("hashchange", () => player.readLink());
 }

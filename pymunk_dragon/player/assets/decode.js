@@ -29,9 +29,7 @@ async function unpack({ frames, points, origin, step, order }, base64) {
 }
 
 // Vectors of all points, x0, y0, x1, y1, ..., in m or m/s: of all frames, and in a frame.
-function vectorsOf({ origin, step }, counts) {
-  return Float64Array.from(counts, (count, i) => origin[i & 1] + step * count);
-}
+const vectorsOf = ({ origin, step }, counts) => Float64Array.from(counts, (count, i) => origin[i & 1] + step * count);
 
 function vectorsIn(packed, frame) {
   const size = 2 * packed.points;

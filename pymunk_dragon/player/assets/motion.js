@@ -31,8 +31,7 @@ class Motion {
     this.times = Float64Array.from(payload.times);
     this.begin = this.times[0];
     this.end = this.times.at(-1);
-    this.packed = packed;
-    this.velocities = velocities;
+    Object.assign(this, { packed, velocities });
     [this.positionError, this.velocityError] = payload.errors;
     this.benches = benches;
     // A size is a number for all benches, or an array.
@@ -63,17 +62,6 @@ class Motion {
     };
   }
 
-  // First frame at `time` or after it.
-  frameFrom(time) {
-    let low = 0, high = this.times.length;
-    while (low < high) {
-      const middle = (low + high) >> 1;
-      if (this.times[middle] < time) low = middle + 1;
-      else high = middle;
-    }
-    return low;
-  }
-
   // Poses of one frame and their rates of change: a bench's centre is midway between its holes, and its direction is
   // from the rear hole to the front hole.
   frameMotion(frame) {
@@ -100,8 +88,8 @@ class Motion {
 
   // The two frames around a time, the interval between them in s, and the fraction of it that has passed.
   between(time) {
-    const last = this.times.length - 1;
-    const after = Math.min(Math.max(this.frameFrom(time), Math.min(1, last)), last);
+    const last = this.times.length - 1, found = this.times.findIndex((each) => each >= time);
+    const after = found < 0 ? last : Math.max(found, Math.min(1, last));
     const before = Math.max(after - 1, 0), interval = this.times[after] - this.times[before];
     const share = Math.min(Math.max((time - this.times[before]) / (interval || 1), 0), 1);
     return { before, after, interval, share };

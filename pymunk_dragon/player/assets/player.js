@@ -46,8 +46,7 @@ class Player extends Stage {
 
   draw() {
     const { motion, view, painter, time } = this;
-    const benches = new Benches(motion, motion.posesAt(time));
-    this.benches = benches;
+    const benches = this.benches = new Benches(motion, motion.posesAt(time));
     painter.resize();
     this.timeline.reveal(time);
     this.timeline.draw(painter);
@@ -137,14 +136,10 @@ class Player extends Stage {
     this.afterChange();
   }
 
-  // ---- timeline
-
   zoomTimeline(factor) {
     this.timeline.zoom(factor, 0, this.time);
     this.requestDraw();
   }
-
-  // ---- language
 
   setLanguage(name) {
     setLanguage(name);

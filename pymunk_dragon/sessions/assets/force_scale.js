@@ -71,9 +71,7 @@ function drawLegend(painter) {
   context.lineWidth = 1;
   context.fillRect(LEGEND_LEFT, top, LEGEND_WIDTH, LEGEND_HEIGHT);
   context.strokeRect(LEGEND_LEFT, top, LEGEND_WIDTH, LEGEND_HEIGHT);
-  context.font = `11px ${painter.font}`;
-  context.textBaseline = "alphabetic";
-  context.textAlign = "left";
+  painter.setFont("11px", "left", "alphabetic");
   painter.drawText(localized("Force in the joint ({unit})", { unit: painter.model.forceUnit }), LEGEND_LEFT, top - 6);
   ["left", "center", "right"].forEach((align, k) => {
     context.textAlign = align;
@@ -90,9 +88,7 @@ function drawScaleBar(painter, above) {
   const path = new Path2D();
   for (const corner of [[LEGEND_LEFT, y - 5], [LEGEND_LEFT, y], [right, y], [right, y - 5]]) path.lineTo(...corner);
   strokeTwice(context, path, colours.background, colours.text, 1.5);
-  context.font = `11px ${painter.font}`;
-  context.textAlign = "left";
-  context.textBaseline = "alphabetic";
+  painter.setFont("11px", "left", "alphabetic");
   const { units } = painter.model, short = units === "m" && length < 1;
   painter.drawText(short ? `${Number((1000 * length).toPrecision(1))} mm` : `${length} ${units}`, right + 6, y);
 }

@@ -80,7 +80,6 @@ class Live extends Stage {
     this.painter.setModel(this.model);
     this.charts.setModel(this.model);
     this.tools.setModel(this.model, same);
-    this.sliders.setParameters(scene.parameters);
     if (!same) {
       this.follow = "field";
       this.events = [];
@@ -186,9 +185,7 @@ class Live extends Stage {
   }
 
   hasSwitch(name) {
-    const { model } = this;
-    if (name === "ghost") return model.can("ghost");
-    return name === "contacts" || name === "forces" || model.benches > 0;
+    return name === "contacts" || name === "forces" || this.model.benches > 0;
   }
 
   afterChange() {
@@ -203,8 +200,6 @@ class Live extends Stage {
     if (!IN_WIDGET) history.replaceState(null, "", address);
     if (!this.scene) return;
     this.showEvents();
-    this.charts.setTexts();
-    this.sliders.setParameters(this.scene.parameters);
     showScene(this);
     if (this.state) this.setState(this.state);
   }

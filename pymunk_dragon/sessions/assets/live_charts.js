@@ -76,12 +76,6 @@ class LiveCharts {
     this.quantities = names.map((name) => new Quantity(name, model.unitOf(name), this.painter));
     element("charts-own").replaceChildren(...this.quantities.map(({ figure }) => figure));
     element("save-charts").hidden = !this.quantities.length;
-    this.setTexts();
-  }
-
-  setTexts() {
-    setText("force-name", this.model.benches ? localized("Tension along the chain (N)")
-      : localized("Force by joint ({unit})", { unit: this.model.forceUnit }));
   }
 
   add(frame) {

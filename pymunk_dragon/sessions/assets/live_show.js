@@ -16,6 +16,9 @@ function showScene(live) {
   document.title = title;
   setText("title", title);
   setText("text", translated(scene.text));
+  setText("force-name", model.benches ? localized("Tension along the chain (N)")
+    : localized("Force by joint ({unit})", { unit: model.forceUnit }));
+  live.sliders.setParameters(scene.parameters);
   showLesson(scene);
   const list = element("scene");
   list.replaceChildren(...scene.scenes.map((each) => new Option(translated(each.title), each.name)));
@@ -62,17 +65,15 @@ function showState(live) {
 
 // The list has the usual speeds, and the server's if it is another one.
 function showSpeed(speed) {
-  const list = element("speed");
-  const speeds = [...new Set([...SPEEDS, speed])].sort((one, two) => one - two);
-  if (list.options.length !== speeds.length || !speeds.every((value, k) => Number(list.options[k].value) === value)) {
-    list.replaceChildren(...speeds.map((value) => new Option(`${value}×`, value)));
-  }
+  const list = element("speed"), speeds = [...new Set([...SPEEDS, speed])].sort((one, two) => one - two);
+  const options = speeds.map((value) => new Option(`${value}×`, value));
+  if (list.textContent !== options.map(({ text }) => text).join("")) list.replaceChildren(...options);
   list.value = speed;
 }
 
 // Controls that send are disabled for those who watch, and while there is no connection.
 function showAccess(live) {
-  for (const control of document.querySelectorAll(".sends")) control.disabled = !live.controls;
+  for (const control of document.querySelectorAll(".sends, .toolbox input")) control.disabled = !live.controls;
   const role = live.state?.replaying ? localized("Replay") : live.scene?.role === "watch" ? localized("Watching") : "";
   setText("role", role);
   element("role").hidden = role === "";

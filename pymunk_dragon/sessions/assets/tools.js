@@ -22,19 +22,14 @@ class Tools {
   // A rebuilt scene keeps the size of obstacles.
   setModel(model, rebuilt) {
     this.drop();
-    for (const tool of TOOLS) element(`tool-${tool}`).closest("label").hidden = !this.offers(tool, model);
-    if (!this.offers(this.chosen, model)) this.choose("drag");
+    for (const tool of TOOLS) element(`tool-${tool}`).closest("label").hidden = !model.can(ABILITY_OF_TOOL[tool]);
+    if (!model.can(ABILITY_OF_TOOL[this.chosen])) this.choose("drag");
     if (rebuilt) return;
     if (model.can("pointer")) this.choose("program");
     const side = Math.min(...model.field.size);
     this.sizes = scaleOf({ low: SMALLEST_OBSTACLE * side, high: LARGEST_OBSTACLE * side, logarithmic: true });
     element("obstacle-size").value = this.sizes.positionOf(USUAL_OBSTACLE * side);
     this.showSize();
-  }
-
-  offers(tool, model) {
-    const ability = ABILITY_OF_TOOL[tool];
-    return !ability || model.can(ability);
   }
 
   choose(tool) {

@@ -296,17 +296,10 @@ function rootBetween(f, before, after) {
 
 // Where a function is smallest between two arguments, if it has one minimum there.
 function minimumBetween(f, a, b) {
-  let [c, d] = [b - GOLDEN * (b - a), a + GOLDEN * (b - a)], [fc, fd] = [f(c), f(d)];
   for (let pass = 0; pass < 36; pass++) {
-    if (fc < fd) {
-      [b, d, fd] = [d, c, fc];
-      c = b - GOLDEN * (b - a);
-      fc = f(c);
-    } else {
-      [a, c, fc] = [c, d, fd];
-      d = a + GOLDEN * (b - a);
-      fd = f(d);
-    }
+    const c = b - GOLDEN * (b - a), d = a + GOLDEN * (b - a);
+    if (f(c) < f(d)) b = d;
+    else a = c;
   }
   return (a + b) / 2;
 }

@@ -16,11 +16,6 @@ function openStage(div) {
   lab.readColours();
 }
 
-// Set a property only if it changes: a change costs the browser more than drawing does.
-function write(element, name, value) {
-  if (element[name] !== value) element[name] = value;
-}
-
 class Lab {
   constructor(div) {
     this.canvas = created("canvas", { role: "img" });
@@ -225,9 +220,7 @@ class StagePane extends Pane {
 }
 
 // 1, 2, 5, 10 and so on by their place, and for negative places 0.5, 0.2, 0.1.
-function roundNumber(place) {
-  return Number(`${[1, 2, 5][((place % 3) + 3) % 3]}e${Math.floor(place / 3)}`);
-}
+const roundNumber = (place) => Number(`${[1, 2, 5][((place % 3) + 3) % 3]}e${Math.floor(place / 3)}`);
 
 const roundSeconds = (place) => `${roundNumber(place)} s`;
 
