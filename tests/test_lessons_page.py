@@ -237,6 +237,9 @@ def test_experiments_with_pymunk_are_live_on_a_live_server(browser):
             wait_until(live, f"globalThis.live?.frame?.step > 0 && live.scene.name === {name!r}")
             assert live.evaluate("document.documentElement.lang") == "zh"
             assert seen.page.locator("iframe").count() == 1
+        # What is changed and what comes of it are in sight at once.
+        below = "(all) => Math.max(...all.map((each) => each.getBoundingClientRect().bottom)) < innerHeight"
+        assert live.eval_on_selector_all("#chart-force, #parameters .slider:nth-child(2)", below)
         seen.page.click(".languages button[value=en]")
         wait_until(live, "document.documentElement.lang === 'en'")
         assert seen.page.url == f"{running.address}&en"
