@@ -182,7 +182,7 @@ def test_lesson_of_the_engine_shows_its_recorded_run_and_how_to_play_it_live(see
 def test_without_script_all_texts_are_there(browser, address):
     with opened(browser, address, java_script_enabled=False) as seen:
         assert longest(LESSONS["spiral"].sections()["Check"]) in shown(seen)
-        assert not seen.page.locator(".cover, .languages").locator("visible=true").count()
+        assert not seen.page.locator(".cover, .languages, .sides").locator("visible=true").count()
 
 
 @pytest.mark.thorough
