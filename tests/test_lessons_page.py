@@ -231,8 +231,8 @@ def test_experiments_with_pymunk_are_live_on_a_live_server(browser):
         Live(session, host="127.0.0.1", port=0, front=page) as running,
         opened(browser, f"{running.address}&zh") as seen,
     ):
-        for name in ("callbacks", "tension"):
-            seen.page.click(f"#{name} .cover [formnovalidate]")
+        for name in ("callbacks", "tension", "callbacks", "tension"):
+            seen.page.click(f"#{name} .experiment button:visible >> nth=-1")
             live = seen.page.wait_for_selector(f"#{name} iframe").content_frame()
             wait_until(live, f"globalThis.live?.frame?.step > 0 && live.scene.name === {name!r}")
             assert live.evaluate("document.documentElement.lang") == "zh"
