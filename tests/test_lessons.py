@@ -114,6 +114,10 @@ def test_picture_of_each_lesson_is_small_and_its_numbers_to_check_are_printed():
         assert any(number in found.printed for number in figures(each.sections()["Check"]) if "." in number), name
 
 
+def test_change_of_the_lesson_on_separating_axes_is_drawn(here):
+    exec(LESSONS["sat"].source.replace("begins[0] - ends[1]))", "begins[0] - ends[1])[:2])"), {})
+
+
 def test_program_that_fails_or_has_no_picture_is_one_line(own):
     for old, new, words in (("6 * 7", "1 / 0", "ZeroDivisionError"), ('plt.savefig("own.png")', "", "own.gif or .png")):
         own.path.write_text(OWN.replace(old, new), encoding="utf-8")

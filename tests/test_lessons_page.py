@@ -182,7 +182,7 @@ def test_lesson_of_the_engine_shows_its_recorded_run_and_how_to_play_it_live(see
 def test_without_script_all_texts_are_there(browser, address):
     with opened(browser, address, java_script_enabled=False) as seen:
         assert longest(LESSONS["spiral"].sections()["Check"]) in shown(seen)
-        assert not seen.page.locator(".cover, .languages").locator("visible=true").count()
+        assert not seen.page.locator(".cover, .languages, .sides").locator("visible=true").count()
 
 
 @pytest.mark.thorough
@@ -231,12 +231,15 @@ def test_experiments_with_pymunk_are_live_on_a_live_server(browser):
         Live(session, host="127.0.0.1", port=0, front=page) as running,
         opened(browser, f"{running.address}&zh") as seen,
     ):
-        for name in ("callbacks", "tension"):
-            seen.page.click(f"#{name} .cover [formnovalidate]")
+        for name in ("callbacks", "tension", "callbacks", "tension"):
+            seen.page.click(f"#{name} .experiment button:visible >> nth=-1")
             live = seen.page.wait_for_selector(f"#{name} iframe").content_frame()
             wait_until(live, f"globalThis.live?.frame?.step > 0 && live.scene.name === {name!r}")
             assert live.evaluate("document.documentElement.lang") == "zh"
             assert seen.page.locator("iframe").count() == 1
+        # What is changed and what comes of it are in sight at once.
+        below = "(all) => Math.max(...all.map((each) => each.getBoundingClientRect().bottom)) < innerHeight"
+        assert live.eval_on_selector_all("#chart-force, #parameters .slider:nth-child(2)", below)
         seen.page.click(".languages button[value=en]")
         wait_until(live, "document.documentElement.lang === 'en'")
         assert seen.page.url == f"{running.address}&en"

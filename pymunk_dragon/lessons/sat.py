@@ -38,7 +38,7 @@ for turn in range(30, 180, 30):
 
 turns = range(181)
 plt.figure(figsize=(5, 3.5))
-plt.plot(turns, [gaps(turn) for turn in turns], label=names)
+plt.plot(turns, [gaps(turn) for turn in turns], label=names[: len(gaps(0))])
 plt.axhline(0, color="black", lw=0.8)
 plt.xlabel("angle of B (degrees)")
 plt.ylabel("gap (m)")
@@ -67,5 +67,5 @@ plt.savefig("sat.png", bbox_inches="tight")
 # ## Teacher
 # - From grade 9; rectangles, sine and cosine. 40 minutes: 5 to guess, 20 on the stage, 15 to compare.
 # - Goal: two convex polygons are disjoint exactly if their projections on the normal of one of their edges are.
-# - Try: with three or fewer. Just before they touch, one of four walls has light (two if parallel). A fifth is useless.
+# - Try: with three or fewer. Just before they touch, one of four walls has light, at 0° or 90° two. A fifth is useless.
 # - Mistakes: an overlap of the shadows in one direction is taken for a contact; x and y are taken to be enough.

@@ -39,7 +39,7 @@ alone
 #
 # Which path does the dragon take?
 # - It keeps to the spiral: so a train does, but it has rails.
-# - It swings outwards: so flies a stone that is let go; here the drag of the ground stops a bench within 10 cm.
+# - It swings outwards: a stone that is let go flies straight on; here the ground stops a bench within 10 cm.
 # - **It cuts across**: bench 4 is 5.73 m from the middle, not 8.77 m.
 #
 # How long does that go well?

@@ -100,7 +100,7 @@ class LiveCharts {
     this.drawn = now;
     const { error, force, step } = this.charts;
     if (error.shown) this.drawErrors(error, frame);
-    if (force.shown) this.drawForces(force, frame, new Set(state.cuts));
+    this.drawForces(force, frame, new Set(state.cuts));
     for (const quantity of this.quantities) quantity.draw();
     const step_length = (state.values.step ?? 1000 * this.model.scene.step);
     if (step.shown) this.drawSteps(step, frame, step_length / state.speed);
@@ -118,6 +118,7 @@ class LiveCharts {
     const { benches } = this.model, { bottom, top } = this.painter.forceScale;
     const forces = benches ? [...frame.forces] : Array.from(rowsOf(frame.joints, JOINT_SIZE), (joint) => joint[4]);
     element("charts-force").hidden = forces.length === 0;
+    if (!chart.shown) return;
     const valid = (j) => forces[j] > 0 && !cuts.has(j);
     chart.start([bottom, top], powerText, [-0.5, Math.max(1, forces.length) - 0.5]);
     const points = forces.map((force, j) => [j, valid(j) ? Math.max(Math.log10(force), bottom) : NaN]);

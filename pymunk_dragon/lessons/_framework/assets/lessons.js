@@ -22,9 +22,12 @@ for (const button of buttons) {
 }
 speak(location.search.slice(1).split("&").find((part) => languages.includes(part)) ?? root.lang);
 
-// The live scene of a stage, where a live server has this page. One is open, as all belong to one session.
+// The live scene of a stage, where a live server has this page. One is open, as all belong to one session; a button
+// opens another one again.
 function openScene(stage) {
-  for (const frame of document.querySelectorAll("iframe")) frame.remove();
+  for (const old of document.querySelectorAll("iframe")) {
+    old.replaceWith(old.closest(".experiment").querySelector(".main").cloneNode(true));
+  }
   const frame = document.createElement("iframe");
   const address = () => `live${location.search}#stage=${stage.dataset.live}&lang=${root.lang}`;
   frame.title = stage.closest(".lesson").querySelector("h2").textContent.trim();
