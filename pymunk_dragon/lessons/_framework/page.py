@@ -21,10 +21,8 @@ PAGE, NOTEBOOK, PROGRAM = ".html", ".ipynb", ".py"
 ASSETS = "lessons/_framework/assets"
 MEDIA_TYPES = {".gif": "image/gif", ".png": "image/png", ".py": "text/x-python", ".ipynb": "application/x-ipynb+json"}
 # Scripts of the page, between the last two of which the stages of the lessons stand; and its styles.
-SCRIPTS = (
-    *(f"web/{name}.js" for name in ("common", "geometry", "pane")),
-    *(f"{ASSETS}/{name}.js" for name in ("chain", "lab", "lessons")),
-)
+SCRIPTS = [f"web/{name}.js" for name in ("common", "geometry", "pane")]
+SCRIPTS += [f"{ASSETS}/{name}.js" for name in ("chain", "lab", "lessons")]
 STYLES = (f"{ASSETS}/lessons.css", f"{ASSETS}/lab.css")
 
 
@@ -38,7 +36,7 @@ def write_lessons(
     path: str | Path,
     *,
     language: str = "en",
-    progress: Callable[[int, int], None] | None = None,
+    progress: Callable[[int, int], object] = lambda done, total: None,
 ) -> None:
     """Write one lesson as a notebook or as its program, or any number of lessons as one page.
 
@@ -76,7 +74,7 @@ def write_lessons(
 
 
 def run_page(
-    lessons: Sequence[Lesson], language: str, progress: Callable[[int, int], None] | None = None, *, live: bool = False
+    lessons: Sequence[Lesson], language: str, progress: Callable[[int, int], object], *, live: bool = False
 ) -> str:
     """Run lessons, and return their page; see `write_lessons` and `make_page`."""
     # Before the lessons are run.
@@ -85,8 +83,7 @@ def run_page(
     recordings = []
     for done, lesson in enumerate(lessons, start=1):
         recordings.append(record(lesson))
-        if progress is not None:
-            progress(done, len(lessons))
+        progress(done, len(lessons))
     return make_page(recordings, language, live=live)
 
 
