@@ -18,7 +18,7 @@ from pymunk_dragon._language import in_language, texts
 from pymunk_dragon.lessons import LESSONS
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
-from pymunk_dragon.sessions.controls import Button
+from pymunk_dragon.sessions.controls import Button, Key
 from pymunk_dragon.sessions.handle import source_of
 from pymunk_dragon.sessions.ready import SCENES, add, dragon
 from pymunk_dragon.sessions.scene import Play
@@ -111,7 +111,7 @@ def assert_replays(session):
     assert replayed(log)[0] == log["poses"]
 
 
-def test_rod_follows_the_mouse_and_the_replay_is_equal(browser):
+def test_rod_follows_the_mouse_and_the_replay_of_saved_inputs_is_equal(browser, tmp_path):
     with shown(browser, "pendulum") as (session, page):
         pause(page, session)
         x, y, angle = poses_of(session)[2]
@@ -129,8 +129,12 @@ def test_rod_follows_the_mouse_and_the_replay_is_equal(browser):
         wait_until(page, "live.frame.held === null")
         page.keyboard.press("Space")
         wait_until(page, "!live.state.running")
-        assert {message["do"] for _, message in log_of(session)["inputs"]} == {"grab", "drag", "drop"}
-        assert_replays(session)
+        with page.expect_download() as download:
+            page.click("#save")
+        download.value.save_as(tmp_path / "inputs.json")
+        log = load_log(tmp_path / "inputs.json")
+        assert {message["do"] for _, message in log["inputs"]} == {"grab", "drag", "drop"}
+        assert replayed(log)[0] == log["poses"]
 
 
 def test_page_shows_the_largest_error_and_its_tool_cuts_the_joint_that_is_clicked(browser):
@@ -197,6 +201,8 @@ def test_scene_is_in_sight_and_so_is_the_error_of_a_function(browser, width, hei
     with served("robot-arm") as session, visit(browser, session.address, width=width, height=height) as found:
         assert found.page.evaluate(IN_SIGHT)
     with shown(browser, ready, width=width, height=height) as (session, page):
+        # Only what the program can play again is offered.
+        assert page.is_hidden("#save")
         page.evaluate("document.getElementById('parameters-part').open = true")
         page.click("#actions button")
         page.wait_for_selector("#error:has-text('a reason'):has-text('in crash')")
@@ -205,6 +211,35 @@ def test_scene_is_in_sight_and_so_is_the_error_of_a_function(browser, width, hei
         assert 0 <= box["x"] <= width - box["width"]
         page.click("#error-close")
         assert page.is_hidden("#error")
+
+
+def test_page_shows_keys_events_errors_and_charts_of_a_program(browser):
+    pressed, events = [], []
+    keys = [Key("ArrowUp", lambda space: pressed.append("down"), lambda space: pressed.append("up"))]
+    controls = [*keys, Button("Tell", lambda space: events.append("1 2 3 4 5")), Button("Crash", lambda space: 1 / 0)]
+    with shown(browser, source_of(pymunk.Space, Play(controls=controls, events=events))) as (_, page):
+        assert "↑" in page.inner_text("#actions")
+        page.keyboard.down("ArrowUp")
+        # Another window has the focus when the key is released.
+        page.evaluate("dispatchEvent(new Event('blur'))")
+        page.click("text=Tell")
+        page.wait_for_selector("#events:has-text('1 2 3 4 5')")
+        assert pressed == ["down", "up"]
+        page.click("text=Crash")
+        page.wait_for_selector("#error")
+        page.keyboard.press("Space")
+        page.wait_for_selector("#error", state="hidden")
+        page.click("#reset")
+        page.wait_for_selector("#no-events")
+        ticks = page.evaluate("""() => {
+          const [quantity] = live.charts.quantities, { chart } = quantity, shown = [];
+          Object.assign(chart, { samples: [[0, 19], [0, 20]], text: (_, text) => shown.push(text) });
+          quantity.draw();
+          return shown;
+        }""")
+        assert len(set(ticks)) == len(ticks) > 2
+        page.click("#language")
+        page.wait_for_selector("#charts-own:has-text('动能')")
 
 
 def test_space_bar_pauses_after_a_click_on_a_switch_and_works_one_that_a_key_has_reached(browser):
@@ -239,16 +274,6 @@ def test_page_behind_a_proxy_with_a_prefix_asks_for_addresses_with_the_prefix(br
         wait_until(page, "document.getElementById('save').href !== ''")
         assert page.evaluate("document.getElementById('save').href") == f"{own}{PREFIX}inputs?{token}"
         assert sockets[0] == f"{own.replace('http', 'ws')}{PREFIX}socket?{token}"
-
-
-def test_button_saves_the_inputs(browser, tmp_path):
-    with shown(browser, "pendulum") as (_, page):
-        page.click("#reset")
-        wait_until(page, "live.frame?.generation === 2 && live.frame.step > 10")
-        with page.expect_download() as download:
-            page.click("#save")
-        download.value.save_as(tmp_path / "inputs.json")
-    assert load_log(tmp_path / "inputs.json")["plan"]
 
 
 def test_page_switches_scenes_and_sets_parameters_without_complaints(browser):

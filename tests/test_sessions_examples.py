@@ -6,6 +6,7 @@ import re
 import runpy
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pymunk
@@ -124,16 +125,6 @@ ROWS = re.findall(r"^\| ([\w, ]+) \| `(.+)` \| `(.+)` \| (up|down) \|$", GUIDES[
 CHANGED = [(name, *others) for names, *others in ROWS for name in names.split(", ")]
 
 
-class Clock:
-    """pygame's clock, which does not wait."""
-
-    def tick(self, rate=0):
-        return 16
-
-    def get_fps(self):
-        return 60.0
-
-
 def changed(source, space_line, step_line, direction):
     """The source of an example with the lines of the table in the guide, and how many lines changed."""
     lines = ["from __future__ import annotations", "from pymunk_dragon import PygameEvents, live"]
@@ -162,7 +153,8 @@ def test_example_of_pymunk_plays_with_keys_and_mouse_after_five_changed_lines_at
     for variable in ("SDL_VIDEODRIVER", "SDL_AUDIODRIVER"):
         monkeypatch.setenv(variable, "dummy")
     monkeypatch.setattr("webbrowser.open", lambda address: True)
-    monkeypatch.setattr(pygame.time, "Clock", Clock)
+    # A clock that does not wait.
+    monkeypatch.setattr(pygame.time, "Clock", lambda: SimpleNamespace(tick=lambda rate=0: 16, get_fps=lambda: 60.0))
     for module, queries in ((pygame.key, ("get_pressed", "get_mods")), (pygame.mouse, ("get_pos", "get_pressed"))):
         for query in queries:
             # `PygameEvents` replaces them.

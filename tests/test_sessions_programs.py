@@ -80,9 +80,7 @@ def test_controls_reach_the_space_and_values_outlast_a_reset():
         Key("x", lambda space: pressed.append("x")),
     ]
     with played(program(build, Play(controls=controls))) as on:
-        assert {name: on.session.state()["values"][name] for name in ("gravity", "links", "mass")} == {
-            "gravity": 900, "links": 3, "mass": 2,
-        }  # fmt: skip
+        assert {"gravity": 900, "links": 3, "mass": 2}.items() <= on.session.state()["values"].items()
         for name, value in (("gravity", 450.0), ("mass", 7.0), ("iterations", 20.0)):
             assert on.do("set", name=name, value=value) is None
         assert on.scene.space.gravity == (0, 450)
@@ -128,26 +126,22 @@ def paint(space, time):
     balls(space)[0].shapes.copy().pop().color = "red"
 
 
-def touch(space):
+def build_failing():
+    space = build()
     space.on_collision(begin=fail)
+    return space
 
 
 @pytest.mark.parametrize("kind", ["on_step", "callback", "chart", "colour", "button"])
 def test_exception_in_a_users_function_pauses_once_shows_its_line_and_the_session_goes_on(kind, capfd):
-    def made():
-        space = build()
-        if kind == "callback":
-            touch(space)
-        return space
-
     play = {
         "on_step": Play(on_step=fail),
         "callback": Play(),
-        "chart": Play(plots={"q": lambda space: 1.0 if balls(space)[0].velocity == (0, 0) else fail()}),
+        "chart": Play(plots={"q": fail}),
         "colour": Play(on_step=paint),
         "button": Play(controls=[Button("Fail", fail)]),
     }[kind]
-    with played(program(made, play)) as on:
+    with played(program(build_failing if kind == "callback" else build, play)) as on:
         on.do("play")
         if kind == "button":
             on.do("press", name="Fail", down=True)
@@ -173,9 +167,8 @@ def test_charts_have_energy_and_momentum_and_the_quantities_of_the_user():
         kinetic, total, momentum, height = on.scene.plots().values()
         ball = balls(on.scene.space)[0]
         bodies = on.scene.space.bodies
-        assert kinetic == pytest.approx(
-            sum((body.mass * body.velocity.length**2 + body.moment * body.angular_velocity**2) / 2 for body in bodies)
-        )
+        doubled = sum(body.mass * body.velocity.length**2 + body.moment * body.angular_velocity**2 for body in bodies)
+        assert kinetic == pytest.approx(doubled / 2)
         assert total - kinetic == pytest.approx(-900 * sum(body.mass * body.position.y for body in bodies))
         assert momentum == pytest.approx(np.hypot(*sum(body.mass * np.array(body.velocity) for body in bodies)))
         assert height == ball.position.y
@@ -209,12 +202,10 @@ def test_sliders_that_rebuild_are_all_taken_when_they_wait_together():
 
 
 def test_exception_in_a_callback_of_a_program_with_a_loop_of_its_own_pauses_it(capfd):
-    space = build()
-    touch(space)
-    session = Session(program(lambda: space, Play(step=None)))
+    session = Session(program(build_failing, Play(step=None)))
     told = []
     session.join(listener(told))
-    # The page goes on after each error.
+    assert not told[0]["resets"]
     for _ in range(60):
         session.post({"do": "play"})
         session.step(1 / 60)

@@ -21,7 +21,7 @@ from pymunk_dragon.player.data import CURVE_ERROR, curve_points
 from pymunk_dragon.sessions.controls import Slider
 from pymunk_dragon.sessions.scene import Play, Scene
 
-_Values = Mapping[str, float]
+Values = Mapping[str, float]
 
 # Distance from its exact pose, in widths, at which the head counts as blocked: its motor has to follow without reaching
 # it. And share of its full speed that the march then loses in a metre.
@@ -39,7 +39,7 @@ class DragonScene(Scene):
     # Not the joints of the dancers.
     drawn = DrawRecorder.DRAW_SHAPES
 
-    def __init__(self, march: March, values: _Values, *, contacts: str = "resolve", start: float = 0.0) -> None:
+    def __init__(self, march: March, values: Values, *, contacts: str = "resolve", start: float = 0.0) -> None:
         changes = {name: values[name] for name in ("pitch", "width", "benches") if name in values}
         if changes:
             march = Scenario.from_dict(Scenario.of(march).values() | changes, files=False).march()
@@ -111,6 +111,16 @@ class DragonScene(Scene):
         """Choose what contacts do."""
         self._contacts_do = word("contacts", value, ("stop", "report", "resolve"))
 
+    def drop(self) -> None:
+        """Let go of the body that is held. Dancers who guide all benches carry them back if some are far off."""
+        world, held = self.world, self._held
+        super().drop()
+        if held is not None and world.free_from is None and len(self.joints()) == len(world.pivots):
+            errors = position_errors(self.march.dragon, world.poses, self.march.at(world.time).positions[0])
+            if errors.max() > self.march.dragon.widths.min():
+                world.release(1)
+                world.hold()
+
     def release(self, bench: int) -> None:
         """Let the dancers of `bench` and of all behind it go."""
         self.world.release(bench)
@@ -157,6 +167,6 @@ class DragonScene(Scene):
         return {"march_time": self.world.time, "touching": touching, "waits": self.world.share < 1}, arrays
 
 
-def _settings(values: _Values) -> dict[str, Any]:
+def _settings(values: Values) -> dict[str, Any]:
     """Return the settings of the engine for values of the sliders."""
     return {"substep": values["step"] / 1e3, "iterations": int(values["iterations"]), "drag": values["drag"]}

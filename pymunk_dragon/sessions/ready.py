@@ -19,10 +19,9 @@ from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.scenario import Scenario
 from pymunk_dragon.sessions.controls import Button, PygameEvents, Slider
-from pymunk_dragon.sessions.dragon import DragonScene
+from pymunk_dragon.sessions.dragon import DragonScene, Values
 from pymunk_dragon.sessions.scene import Play, Scene
 
-_Values = Mapping[str, float]
 # Properties of a space, and its step, that a slider without an action may have.
 _PROPERTIES = ("step", "gravity", "damping", "iterations")
 
@@ -35,7 +34,7 @@ class Ready:
     title: str
     text: str
     lesson: str | None = None
-    build: Callable[[_Values], Scene]
+    build: Callable[[Values], Scene]
     plan: Mapping[str, Any] | None = None
 
 
@@ -72,7 +71,7 @@ def program(build: Callable[..., pymunk.Space], play: Play) -> Ready:
     play = replace(play, controls=[_at_start(each, arguments) for each in play.controls])
     own = {each.name: each for each in play.controls if isinstance(each, Slider)}
 
-    def make(values: _Values) -> Scene:
+    def make(values: Values) -> Scene:
         given = {name: each.checked(values.get(name, each.value)) for name, each in own.items() if name in arguments}
         space = build(**given)
         if not isinstance(space, pymunk.Space):
@@ -115,31 +114,31 @@ def _scene(name: str, title: str, lesson: str | None = None, **play: Any) -> Cal
 
 
 @_scene("dragon", "The dragon")
-def _dragon(values: _Values) -> Scene:
+def _dragon(values: Values) -> Scene:
     """The dragon of the contest marches in. Pull a bench, cut a joint, let the dancers go."""
     return DragonScene(March(), values)
 
 
 @_scene("unguided", "Without dancers", "unguided")
-def _unguided(values: _Values) -> Scene:
+def _unguided(values: Values) -> Scene:
     """Which two benches touch first? Let all dancers go, and watch."""
     return DragonScene(March(), values, contacts="stop")
 
 
 @_scene("sloppy-engine", "A coarse engine", "engine")
-def _sloppy_engine(values: _Values) -> Scene:
+def _sloppy_engine(values: Values) -> Scene:
     """Long steps and two iterations: watch the position error, then raise the iterations."""
     return DragonScene(March(), {"step": 60.0, "iterations": 2, **values}, contacts="report", start=380.0)
 
 
 @_scene("near-miss", "Near misses", "near-miss")
-def _near_miss(values: _Values) -> Scene:
+def _near_miss(values: Values) -> Scene:
     """Which bench does the head touch first? It passes bench 9 with a gap of 3 mm and bench 11 with 0.9 mm."""
     return DragonScene(March(), values, contacts="stop", start=404.0)
 
 
 @_scene("jam", "A jam")
-def _jam(values: _Values) -> Scene:
+def _jam(values: Values) -> Scene:
     """The path is blocked. Remove the obstacle, or see which forces the joints bear."""
     scene = DragonScene(March(Dragon(benches=12), Line(start=(-24.0, 0.0), stop=(8.0, 0.0)), start_s=24.0), values)
     scene.obstacle("square", 4.0, 0.1, 2.0)
@@ -163,7 +162,7 @@ def _box(space: pymunk.Space, size: tuple[float, float], x: float, y: float, gro
 
 
 @_scene("robot-arm", "A robot's arm", "robot")
-def _robot_arm(values: _Values) -> Scene:
+def _robot_arm(values: Values) -> Scene:
     """Links that go where the tip went before."""
     spacings, widths = [0.10] * 6 + [0.13] * 5 + [0.16] * 4, [0.05] * 7 + [0.06] * 5 + [0.07] * 4
     arm = Dragon(head_spacing=0.14, body_spacing=spacings, overhang=0.02, width=widths)

@@ -119,8 +119,7 @@ class Scene:
             self.pygame.key(name, down)
         elif control is None:
             raise ParameterError("name", name, "a button or a key of this scene")
-        action = getattr(control, "action" if down else "up", None)
-        if action is not None:
+        if action := getattr(control, "action" if down else "up", None):
             action(self.space)
 
     def pointer(self, x: float, y: float, kind: str) -> None:
@@ -185,17 +184,10 @@ class Scene:
         """Return what the page gets once."""
         keys = [each.name for each in self._pressed.values() if isinstance(each, Key)]
         now = [vars(each) | {"action": None, "value": self.values[name]} for name, each in self.parameters.items()]
-        return {
-            "step": self.step_length,
-            "dragon": None,
-            "field": self.field,
-            "y_down": self.play.y_down,
-            "units": self.play.units,
-            "parameters": now,
-            "buttons": [name for name in self._pressed if name not in keys],
-            "keys": ["*"] if self.pygame else keys,
-            "plots": list(self.plots()),
-        }
+        controls = {"parameters": now, "buttons": [name for name in self._pressed if name not in keys]}
+        controls["keys"] = ["*"] if self.pygame else keys
+        about = {"dragon": None, "step": self.step_length, "y_down": self.play.y_down, "units": self.play.units}
+        return controls | about | {"field": self.field, "plots": list({**energies(self.space), **self.play.plots})}
 
     def state(self) -> dict[str, Any]:
         """Return what changes now and then."""
@@ -213,7 +205,7 @@ class Scene:
 
     def frame(self, header: Mapping[str, Any]) -> bytes:
         """Return the present state as `in_binary` does, with the session's part of the header."""
-        held = self._held and [*self._held.b.local_to_world(self._held.anchor_b), *self._hand.position]
+        held = (pull := self._held) and pull.b.space and [*pull.b.local_to_world(pull.anchor_b), *self._hand.position]
         more, arrays = self._parts()
         return in_binary({**header, "step": self.steps, "time": self.time, "held": held, **more}, arrays)
 

@@ -98,10 +98,9 @@ class Server:
         pages = {"/": self._page, "/live": self._page, "/socket": self._connect, "/inputs": self._inputs}
         application.add_routes([web.get(path, handler) for path, handler in pages.items()])
         application.on_response_prepare.append(_add_headers)
-        options: dict[str, Any] = {"handle_signals": False, "print": None, "access_log": None}
-        options |= {"sock": self._socket, "loop": self._loop, "shutdown_timeout": _STOP_TIME}
-        serving: dict[str, Any] = {"target": web.run_app, "args": [application], "kwargs": options, "daemon": True}
-        self._thread = threading.Thread(name="pymunk-dragon live server", **serving)
+        quiet: Any = {"handle_signals": False, "print": None, "access_log": None, "shutdown_timeout": _STOP_TIME}
+        serve = partial(web.run_app, application, sock=self._socket, loop=self._loop, **quiet)
+        self._thread = threading.Thread(target=serve, name="pymunk-dragon live server", daemon=True)
         self._thread.start()
 
     def stop(self) -> None:

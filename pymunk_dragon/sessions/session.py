@@ -283,6 +283,7 @@ class Session:
         about = {name: getattr(self.source, name) for name in ("name", "title", "text", "lesson")}
         scenes = [{"name": each.name, "title": each.title} for each in ({self._own.name: self._own} | SCENES).values()]
         session = {"kind": "scene", "role": "control", "generation": self.generation, "scenes": scenes}
+        session |= {"replays": self.source.plan is not None, "resets": self.scene.play.step is not None}
         self._description = without_nan(session | about | self.scene.to_dict())
         self.tell(self._description)
 

@@ -4,7 +4,7 @@ const CATALOGUES = { en: {}, ...JSON.parse(element("texts").textContent) };
 const UNTRANSLATED = "script, style, svg, canvas, kbd, code, [translate=no]"; // elements without texts of the page
 const HAS_LETTERS = /\p{L}/u;
 const LANGUAGE_NAMES = { en: "English", zh: "中文" };
-const KEY_SIGNS = { ArrowLeft: "←", ArrowRight: "→", "-": "−" };
+const KEY_SIGNS = { ArrowLeft: "←", ArrowRight: "→", ArrowUp: "↑", ArrowDown: "↓", "-": "−" };
 const TRANSLATED_ATTRIBUTES = ["aria-label", "title"];
 
 let language = "en";
@@ -65,11 +65,13 @@ function setLanguage(name) {
 // Hints name the keys, and the help lists them.
 function showKeys() {
   element("keys").replaceChildren(...withKeys().map(([each, key]) => {
-    const sign = key === "Space" ? localized("space") : KEY_SIGNS[key] ?? key, what = each.title;
+    const sign = keySign(key), what = each.title;
     each.title = `${what} (${sign})`;
     return created("div", {}, created("dt", {}, created("kbd", {}, sign)), created("dd", {}, what));
   }));
 }
+
+const keySign = (key) => (key === "Space" || key === " " ? localized("space") : KEY_SIGNS[key] ?? key);
 
 const otherLanguage = () => Object.keys(CATALOGUES).find((each) => each !== language);
 

@@ -23,6 +23,7 @@ class Live extends Stage {
     this.tools = new Tools(this);
     this.recorder = new Recorder(this);
     this.drawn = 0;
+    this.pressed = new Set(); // keys of the scene that are down
     this.announce = throttled((text) => setText("announcement", text), ANNOUNCE_EVERY);
     this.connection = new Connection({
       received: (message) => this.receive(message),
@@ -72,7 +73,7 @@ class Live extends Stage {
     this.showBuilding(false);
     // A stage begins anew when it is opened.
     if (!this.scene && STAGE && scene.role === "control") this.send({ do: "scene", name: STAGE });
-    const same = this.scene?.name === scene.name;
+    const same = this.scene?.name === scene.name, anew = this.scene?.generation !== scene.generation;
     this.scene = scene;
     this.frame = this.framePoses = null;
     this.model = new Model(scene);
@@ -80,10 +81,10 @@ class Live extends Stage {
     this.painter.setModel(this.model);
     this.charts.setModel(this.model);
     this.tools.setModel(this.model, same);
+    if (anew) this.events = [];
+    this.showEvents();
     if (!same) {
       this.follow = "field";
-      this.events = [];
-      this.showEvents();
       const own = STAGE && !scene.dragon ? ["forces"] : []; // in a lesson on forces
       for (const name of SWITCHES) this.shown[name] = [...SHOWN_BY_DEFAULT, ...own].includes(name);
       setText("announcement", translated(scene.title));
@@ -94,6 +95,7 @@ class Live extends Stage {
 
   setState(state) {
     if (state.generation !== this.scene?.generation) return;
+    if (state.running && !this.playing) this.hideError();
     this.state = state;
     this.sliders.setValues(state.values);
     showState(this);

@@ -143,12 +143,14 @@ const formatTime = (ms) => (Number.isFinite(ms) ? `${Number(ms.toPrecision(2))} 
 
 // A chart of a quantity of the scene, with a linear scale.
 class Quantity {
-  constructor(name, unit, painter) {
-    this.name = unit ? `${name} (${unit})` : name;
+  constructor(title, unit, painter) {
+    Object.assign(this, { title, unit: unit && ` (${unit})` });
+    this.name = title + this.unit;
     this.rows = []; // [time, value] since the scene began, for the table
     this.value = created("span", {}, "–");
-    const canvas = created("canvas", { ariaHidden: "true" }), title = translated(name) + (unit && ` (${unit})`);
-    this.figure = created("figure", {}, created("figcaption", {}, created("span", {}, title), " ", this.value), canvas);
+    this.caption = created("span");
+    const canvas = created("canvas", { ariaHidden: "true" });
+    this.figure = created("figure", {}, created("figcaption", {}, this.caption, " ", this.value), canvas);
     this.chart = new Chart(canvas, painter);
   }
 
@@ -160,13 +162,14 @@ class Quantity {
 
   draw() {
     const { chart } = this, { values } = chart;
+    this.caption.textContent = translated(this.title) + this.unit;
     if (!chart.shown || !values.length) return;
     let [low, high] = [Math.min(...values), Math.max(...values)];
     // A constant quantity has a line in the middle; noise in its last digits does not fill the chart.
     const least = Math.max(Math.abs(low), Math.abs(high)) * 1e-4 || 1;
     if (high - low < least) [low, high] = [(low + high - least) / 2, (low + high + least) / 2];
     // Enough digits to tell the ticks apart.
-    const digits = Math.max(2, Math.ceil(Math.log10(2 * Math.max(Math.abs(low), Math.abs(high)) / (high - low))));
+    const digits = Math.max(2, Math.ceil(Math.log10(10 * Math.max(Math.abs(low), Math.abs(high)) / (high - low))));
     const margin = (high - low) / 50;
     chart.start([low - margin, high + margin], (value) => numberText(value, digits));
     chart.track();

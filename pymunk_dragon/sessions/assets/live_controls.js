@@ -21,9 +21,11 @@ function connect(live) {
     },
     takes: (event) => takesKey(live, event),
   });
-  Object.assign(element("save"), { href: `inputs${location.search}`, hidden: IN_WIDGET });
+  element("save").href = `inputs${location.search}`;
   for (const kind of ["focus", "blur"]) element("field").addEventListener(kind, () => live.requestDraw());
   document.body.classList.toggle("framed", STAGE !== null);
+  // The release of a key is not heard when another window has the focus.
+  addEventListener("blur", () => live.pressed.forEach((name) => pressKey(live, name, false)));
   addEventListener("hashchange", () => live.setLanguage(chosenLanguage()));
   const opens = STAGE !== null || matchMedia(WIDE).matches;
   for (const part of document.querySelectorAll(".panel details")) part.open = opens;
@@ -57,8 +59,13 @@ function takesKey(live, event) {
   const all = keys.includes("*") && !event.target.closest("input, select");
   if (!(keys.includes(event.key) || all) || !live.controls) return false;
   event.preventDefault();
-  if (!event.repeat) live.send({ do: "press", name: event.key, down: event.type === "keydown" });
+  if (!event.repeat) pressKey(live, event.key, event.type === "keydown");
   return true;
+}
+
+function pressKey(live, name, down) {
+  live.send({ do: "press", name, down });
+  live.pressed[down ? "add" : "delete"](name);
 }
 
 // ---- the start, and what tests read

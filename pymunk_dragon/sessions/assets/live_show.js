@@ -2,12 +2,13 @@
 
 const SPEEDS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20]; // simulated over real time
 
-// An event or an error of the server, whose numbers are fields {i}, {j}, ... of a text.
+// An event of the server, whose numbers are fields {i}, {j}, ... of a text in the catalogue.
 function translatedNumbers(text) {
   const numbers = text.match(/\d+/g) ?? [], names = "ijk";
   let k = 0;
-  const template = translated(text.replace(/\d+/g, () => `{${names[k++]}}`));
-  return fill(template, Object.fromEntries(numbers.map((number, n) => [names[n], number])));
+  const template = text.replace(/\d+/g, () => `{${names[k++]}}`), found = translated(template);
+  if (found === template) return text;
+  return fill(found, Object.fromEntries(numbers.map((number, n) => [names[n], number])));
 }
 
 function showScene(live) {
@@ -20,6 +21,7 @@ function showScene(live) {
     : localized("Force by joint ({unit})", { unit: model.forceUnit }));
   live.sliders.setParameters(scene.parameters);
   showLesson(scene);
+  for (const id of ["save", "about-save"]) element(id).hidden = IN_WIDGET || !scene.replays;
   const list = element("scene");
   list.replaceChildren(...scene.scenes.map((each) => new Option(translated(each.title), each.name)));
   list.value = scene.name;
@@ -44,10 +46,12 @@ function showAbilities(live) {
   for (const id in parts) element(id).hidden = !model.can(parts[id]);
   element("follow").hidden = model.benches === 0;
   element("parameters-part").hidden = live.scene.parameters.length === 0;
-  element("actions").replaceChildren(...live.scene.buttons.map((name) => {
+  const buttons = live.scene.buttons.map((name) => {
     const onclick = () => live.send({ do: "press", name, down: true });
     return created("button", { type: "button", className: "plain sends", onclick }, name);
-  }));
+  });
+  const keys = live.scene.keys.filter((key) => key !== "*").map((key) => created("kbd", {}, keySign(key)));
+  element("actions").replaceChildren(...buttons, ...keys);
   live.afterChange();
 }
 
@@ -74,6 +78,8 @@ function showSpeed(speed) {
 // Controls that send are disabled for those who watch, and while there is no connection.
 function showAccess(live) {
   for (const control of document.querySelectorAll(".sends, .toolbox input")) control.disabled = !live.controls;
+  // A program that makes the steps itself builds its space once.
+  for (const id of ["reset", "scene"]) element(id).disabled ||= !live.scene?.resets;
   const role = live.state?.replaying ? localized("Replay") : live.scene?.role === "watch" ? localized("Watching") : "";
   setText("role", role);
   element("role").hidden = role === "";
