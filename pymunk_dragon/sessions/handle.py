@@ -164,9 +164,8 @@ def live(
         raise ParameterError("host, allow_hosts", (host, allow_hosts), "a name, and a sequence of names")
     length = None if step is None else finite("step", step, 1e-6, MAX_STEP, "s")
     seen: Any = {"plots": plots or {}, "events": events, "y_down": y_down, "units": units}
-    play = Play(step=length, on_step=on_step, controls=controls, **seen)
-    session = Session(source_of(what, play), running=not paused)
-    return Live(session, browser=browser, host=host, port=port, allow_hosts=allow_hosts)
+    source = source_of(what, Play(step=length, on_step=on_step, controls=controls, **seen))
+    return Live(Session(source, running=not paused), browser=browser, host=host, port=port, allow_hosts=allow_hosts)
 
 
 def source_of(what: object, play: Play) -> Ready:

@@ -162,9 +162,9 @@ class Session:
     def log(self) -> Log:
         """Return what was done since the scene was built."""
         with self.held:
-            inputs, poses = [json.loads(each) for each in self.inputs], self.scene.poses().tolist()
-            values = {"plan": self.source.plan, "values": self.values, "steps": self.scene.steps}
-        return values | {"inputs": inputs, "poses": poses}
+            about = {"plan": self.source.plan, "values": self.values, "steps": self.scene.steps}
+            inputs = [json.loads(each) for each in self.inputs]
+            return about | {"inputs": inputs, "poses": self.scene.poses().tolist()}
 
     def wait_for_replay(self) -> float | None:
         """Wait for the end of a replay; return the difference of its last poses, m or rad, or None without an end."""

@@ -106,8 +106,7 @@ class Player extends Stage {
   }
 
   toggle() {
-    if (this.playing) this.pause();
-    else this.play();
+    return this.playing ? this.pause() : this.play();
   }
 
   // Go to a time and pause.

@@ -53,14 +53,9 @@ class Live extends Stage {
   // ---- messages
 
   receive(message) {
-    const readers = {
-      scene: () => this.setScene(message),
-      state: () => this.setState(message),
-      event: () => this.addEvent(message),
-      error: () => this.showError(message),
-      building: () => this.showBuilding(true),
-    };
-    readers[message.kind]?.();
+    const readers = { scene: "setScene", state: "setState", event: "addEvent", error: "showError" };
+    if (message.kind === "building") this.showBuilding(true);
+    this[readers[message.kind]]?.(message);
   }
 
   receiveFrame(buffer) {

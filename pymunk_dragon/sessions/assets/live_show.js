@@ -13,8 +13,7 @@ function translatedNumbers(text) {
 
 function showScene(live) {
   const { scene, model } = live;
-  const title = translated(scene.title);
-  document.title = title;
+  const title = document.title = translated(scene.title);
   setText("title", title);
   setText("text", translated(scene.text));
   setText("force-name", model.benches ? localized("Tension along the chain (N)")
@@ -51,7 +50,7 @@ function showAbilities(live) {
     return created("button", { type: "button", className: "plain sends", onclick }, name);
   });
   const keys = live.scene.keys.filter((key) => key !== "*").map((key) => created("kbd", {}, keySign(key)));
-  element("actions").replaceChildren(...buttons, ...keys);
+  element("actions").replaceChildren(...buttons, ...(keys.length ? [localized("Keys"), ...keys] : []));
   live.afterChange();
 }
 

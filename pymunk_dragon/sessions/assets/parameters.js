@@ -50,14 +50,12 @@ class Slider {
       this.write(this.value);
       if (!this.parameter.rebuilds) soon();
     });
-    this.input.addEventListener("change", () => {
-      if (this.parameter.rebuilds) message();
-    });
+    this.input.addEventListener("change", () => this.parameter.rebuilds && message());
   }
 
   // A value of the server.
   show(value) {
-    if (performance.now() - this.touched < SETTLE) return;
+    if (!Number.isFinite(value) || performance.now() - this.touched < SETTLE) return;
     if (this.value !== value) this.input.value = this.scale.positionOf(value);
     this.write(value);
   }
@@ -81,8 +79,7 @@ function numberText(value, digitsShown = 3) {
 
 class Sliders {
   constructor(container, send) {
-    Object.assign(this, { container, send });
-    this.sliders = [];
+    Object.assign(this, { container, send, sliders: [] });
   }
 
   // A rebuilt scene with the same parameters keeps its sliders, and with them the focus; not in another language.
@@ -97,9 +94,6 @@ class Sliders {
   }
 
   setValues(values) {
-    for (const slider of this.sliders) {
-      const value = values[slider.parameter.name];
-      if (Number.isFinite(value)) slider.show(value);
-    }
+    for (const slider of this.sliders) slider.show(values[slider.parameter.name]);
   }
 }

@@ -7,10 +7,7 @@ const GRAB_SLIP = 10; // pixels: the same for the server, where the body may hav
 const DRAG_DIGITS = 6; // significant digits of where the hand is: inputs are kept in little memory
 const TOOLS = ["drag", "cut", "round", "square", "release", "program"];
 const ABILITY_OF_TOOL = { program: "pointer", cut: "cut", round: "obstacles", square: "obstacles", release: "dancers" };
-// Obstacle sizes as parts of the field's shorter side.
-const SMALLEST_OBSTACLE = 0.005;
-const LARGEST_OBSTACLE = 0.25;
-const USUAL_OBSTACLE = 0.04;
+const OBSTACLES = { low: 0.005, usual: 0.04, high: 0.25 }; // sizes as parts of the field's shorter side
 
 class Tools {
   constructor(live) {
@@ -27,8 +24,8 @@ class Tools {
     if (rebuilt) return;
     if (model.can("pointer")) this.choose("program");
     const side = Math.min(...model.field.size);
-    this.sizes = scaleOf({ low: SMALLEST_OBSTACLE * side, high: LARGEST_OBSTACLE * side, logarithmic: true });
-    element("obstacle-size").value = this.sizes.positionOf(USUAL_OBSTACLE * side);
+    this.sizes = scaleOf({ low: OBSTACLES.low * side, high: OBSTACLES.high * side, logarithmic: true });
+    element("obstacle-size").value = this.sizes.positionOf(OBSTACLES.usual * side);
     this.showSize();
   }
 
