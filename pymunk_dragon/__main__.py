@@ -26,7 +26,7 @@ def main() -> None:
     received: list[tuple[int, float]] = []
 
     def stop(number: int, frame: FrameType | None) -> None:
-        if not received or monotonic() - received[-1][1] >= _GRACE:
+        if code is None and (not received or monotonic() - received[-1][1] >= _GRACE):
             received.append((number, monotonic()))
             raise _Interruption
 
@@ -42,7 +42,7 @@ def main() -> None:
 
     # Signals that nohup, or a shell that starts it in the background, has the program ignore stay ignored.
     handled = [number for number in ENDING if signal.getsignal(number) != signal.SIG_IGN]
-    code = 0
+    code: int | None = None  # Until everything is done.
     sys.unraisablehook = unraisable
     try:
         for number in handled:

@@ -148,9 +148,8 @@ PROGRAM = [sys.executable, "-m", "pymunk_dragon"]
 def program(*arguments, before="", after="", folder=None, **environment):
     """Run the program in a shell, with shell commands before it and redirections after it: code, stdout, stderr."""
     command = ["bash", "-c", f'{before} "$@" {after}', "-", *PROGRAM, *map(str, arguments)]
-    ended = subprocess.run(
-        command, capture_output=True, text=True, timeout=LIMIT, cwd=folder, env=os.environ | environment
-    )
+    options = {"timeout": LIMIT, "cwd": folder, "env": os.environ | environment}
+    ended = subprocess.run(command, capture_output=True, text=True, **options)
     return ended.returncode, ended.stdout, ended.stderr
 
 
@@ -259,6 +258,13 @@ def test_interruption_in_code_that_cannot_raise_ends_the_program(tmp_path, code)
     assert names(tmp_path) == []
 
 
+def test_signal_after_the_last_output_is_no_error():
+    code = "import signal as s, pymunk_dragon.__main__ as m; original = s.signal; "
+    code += "s.signal = lambda n, h: (h == s.SIG_IGN and s.raise_signal(n), original(n, h)); m.main()"
+    ended = subprocess.run([sys.executable, "-c", code, "--version"], capture_output=True, text=True, timeout=LIMIT)
+    assert (ended.returncode, ended.stderr) == (0, "")
+
+
 # Full disks
 
 
@@ -327,8 +333,7 @@ def test_command_imports_only_what_it_uses(commands, tmp_path):
 def test_film_that_is_interrupted_leaves_no_file_and_no_process(tmp_path):
     for name in ("film.gif", "film.mp4"):
         command = [*PROGRAM, "render", "--until", "400", "--speedup", "0.5", "--size", "96", "-o", tmp_path / name]
-        pipe = subprocess.PIPE
-        with subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True, start_new_session=True) as process:
+        with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True) as process:
             wait_until(process, lambda: names(tmp_path))
             children = psutil.Process(process.pid).children(recursive=True)
             os.killpg(process.pid, signal.SIGINT)  # A terminal sends it to all of them.

@@ -7,7 +7,7 @@ import os
 import subprocess
 import sys
 import time
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib.util import find_spec
 from types import SimpleNamespace
 
@@ -174,12 +174,9 @@ def lab(folder):
     flags = ["--no-browser", "--allow-root", "--ip=127.0.0.1", "--port=0", f"--ServerApp.root_dir={folder}"]
     flags += ["--LabApp.extension_manager=readonly", "--LabApp.check_for_updates_class=jupyterlab.NeverCheckForUpdate"]
     flags += ["--expose-app-in-browser"]
-    process = subprocess.Popen(
-        [sys.executable, "-m", "jupyterlab", *flags],
-        env=os.environ | own | {"JUPYTER_RUNTIME_DIR": str(runtime)},
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-    )
+    command, null = [sys.executable, "-m", "jupyterlab", *flags], subprocess.DEVNULL
+    environment = os.environ | own | {"JUPYTER_RUNTIME_DIR": str(runtime)}
+    process = subprocess.Popen(command, env=environment, stdout=null, stderr=null)
     try:
         about = runtime / f"jpserver-{process.pid}.json"
         conftest.wait_until(process, lambda: about.exists() and about.read_text().rstrip().endswith("}"))
@@ -187,11 +184,10 @@ def lab(folder):
         yield f"{found['url']}lab/tree/live.ipynb?token={found['token']}"
     finally:
         process.terminate()
-        try:
+        with suppress(subprocess.TimeoutExpired):  # While a kernel starts; kernels end by themselves without one.
             process.wait(10)
-        except subprocess.TimeoutExpired:  # As while a kernel starts; kernels end by themselves without a server.
-            process.kill()
-            process.wait()
+        process.kill()
+        process.wait()
 
 
 NOTEBOOK = "globalThis.jupyterapp?.shell.currentWidget"

@@ -6,7 +6,7 @@ import os
 import signal
 import subprocess
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
+from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 from functools import partial as partial_of
 from importlib import import_module
@@ -15,6 +15,7 @@ from multiprocessing import get_context, parent_process
 from multiprocessing.process import BaseProcess
 from multiprocessing.spawn import get_executable
 from pathlib import Path
+from queue import SimpleQueue
 from threading import Thread
 from time import perf_counter
 from typing import Any
@@ -124,22 +125,32 @@ def _description(quantity: Quantity, axes: Axes, base: Values) -> dict[str, Any]
 def _outcomes(pool: Executor, call: Callable[..., Outcome], points: Iterable[Any]) -> Iterator[dict[int, Outcome]]:
     """Evaluate a quantity by `call` at numbered points; yields outcomes by these numbers."""
     running: dict[Future[Outcome], int] = {}
+    # Not `concurrent.futures.wait`: an interruption in it leaves futures locked, for which workers wait without end.
+    done: SimpleQueue[Future[Outcome]] = SimpleQueue()
     try:
         for number, at in points:
-            running[pool.submit(call, at)] = number
+            with signals_held():
+                future = pool.submit(call, at)
+                running[future] = number
+                future.add_done_callback(done.put)
             if len(running) >= _UNDER_WAY:
-                yield _finished(running)
+                yield _finished(running, done)
         while running:
-            yield _finished(running)
+            yield _finished(running, done)
     except Exception as error:  # Whatever an executor raises.
         raise DragonError(f"a worker was lost, or did not start: {type(error).__name__}: {error}") from error
 
 
-def _finished(running: dict[Future[Outcome], int]) -> dict[int, Outcome]:
-    """Remove futures that have an outcome, and return these; if one has an error and no other an outcome, raise it."""
-    done = wait(running, return_when=FIRST_COMPLETED).done
-    whole = [future for future in done if not future.exception()]
-    return {running.pop(future): future.result() for future in whole or done}
+def _finished(running: dict[Future[Outcome], int], done: SimpleQueue[Future[Outcome]]) -> dict[int, Outcome]:
+    """Remove futures that are done, and return their outcomes; if one has an error and no other has one, raise it."""
+    found = [done.get()]
+    while not done.empty():
+        found.append(done.get())
+    whole = [future for future in found if not future.exception()]
+    for future in found:
+        if whole and future.exception():
+            done.put(future)
+    return {running.pop(future): future.result() for future in whole or found}
 
 
 def _pool(executor: Executor | None, scheduler: str | None, workers: int | None) -> AbstractContextManager[Executor]:
