@@ -667,15 +667,10 @@ def test_port_in_use_addresses_that_cannot_be_used_and_a_missing_extra_are_told_
 
 
 @linux_only
-def test_ctrl_c_ends_the_program_with_130_and_writes_a_recording_whose_replay_is_equal(call, tmp_path, monkeypatch):
+def test_ctrl_c_ends_the_program_with_130_and_writes_a_recording_whose_replay_is_equal(call, tmp_path):
     async def watch(address):
         async with joined(address) as client:
             await client.shown(lambda frame: frame.time > 0.1)
-
-    def log_between_steps(session, log=Session.log):
-        with ThreadPoolExecutor(1) as other:
-            assert not other.submit(session.held.acquire, blocking=False).result()
-        return log(session)
 
     path = tmp_path / "session.json"
     command = [sys.executable, "-m", "pymunk_dragon", "live", "--record", path, "--no-browser"]
@@ -698,11 +693,14 @@ def test_ctrl_c_ends_the_program_with_130_and_writes_a_recording_whose_replay_is
     _, session = replayed(log)
     poses = session.scene.poses() + np.array([0.125, 0.0, -0.25])
     (tmp_path / "other.json").write_text(json.dumps(log | {"poses": poses.tolist()}))
-    monkeypatch.setattr(Session, "log", log_between_steps)
     code, out, err = call("live", "--exit", "--replay", tmp_path / "other.json", "-o", tmp_path / "written.json")
     assert (code, err) == (0, "")
     assert out == f"replay:  {log['steps']} steps, poses within 2.5e-01 m and rad of the recording\n"
     assert load_log(tmp_path / "written.json")["poses"] == log["poses"]
+    with ThreadPoolExecutor(1) as other, session.held:
+        written = other.submit(session.log)  # Between two steps.
+        session.scene.steps += 1
+    assert written.result()["steps"] == log["steps"] + 1
 
 
 @pytest.mark.thorough

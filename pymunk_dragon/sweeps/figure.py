@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 _VALUES = ("#fde18b", "#aacd90", "#63ad99", "#2a879d", "#355b92")
 # Units by the last words of names.
 _UNITS = dict.fromkeys(("pitch", "width", "overhang", "spacing", "radius", "gap", "drift"), "m")
-_UNITS |= {"speed": "m/s", "time": "s", "error": "s", "start": "s", "until": "s", "substep": "s"}
+_UNITS |= {"speed": "m/s", "time": "s", "error": "s", "start": "s", "until": "s", "substep": "s", "start_s": "m"}
 # Share of the points above which the benches that touch there are named.
 _NAMED = 0.03
 
@@ -67,11 +67,10 @@ def _draw_missing(axes: Axes, at: Sequence[Array], missing: Flags) -> None:
 def _write_titles(figure: Figure, axes: Axes, found: Sweep, names: Sequence[str], values: Array) -> None:
     """Write titles, with the range of the `values` (P,) that are finite, and a legend."""
     note = text("{0} points")
-    if "bench_a" in found.columns:
-        along = text("{0} points; along each line the same benches touch")
-        note = (
-            along if len(names) == 1 else text("{0} points; labels: benches that touch first; others across each line")
-        )
+    if "bench_a" in found.columns and len(names) == 1:
+        note = text("{0} points; along each line the same benches touch")
+    elif "bench_a" in found.columns:
+        note = text("{0} points; labels: benches that touch first; others across each line")
     axes.set_title(note.format(found.points), color=QUIET)
     title = text("{0} over {1}").format(text(found.summary), text(" and ").join(map(_words, names)))
     if values.size:
@@ -129,6 +128,6 @@ def _label(cells: Sequence[Any]) -> str:
 
 def _words(name: str, *, unit: bool = False) -> str:
     """The name of an axis or a column in words, with its unit if it has one."""
-    known = "m" if name == "start_s" else _UNITS.get(name.rpartition("_")[2])
+    known = _UNITS.get(name, _UNITS.get(name.rpartition("_")[2]))
     words = name.removesuffix("_s").replace("_", " ")
     return text("{}, {}").format(text(words), known) if unit and known else text(words)

@@ -34,8 +34,7 @@ class Quantity:
     """
 
     def __init__(self, name: str, function: Callable[..., Values]) -> None:
-        self.name = name
-        self.function = function
+        self.name, self.function = name, function
         self.summary = (getdoc(function) or name).partition("\n")[0].rstrip(".")
         self.own = [each.name for each in signature(function).parameters.values() if each.kind is each.KEYWORD_ONLY]
         self.parameters = [*_SCENARIO, *self.own]
@@ -98,8 +97,7 @@ def _plain(name: str, value: object) -> float | str | None:
 
 
 def _benches(benches: tuple[int, int] | None) -> dict[str, int | None]:
-    first, second = benches or (None, None)
-    return {"bench_a": first, "bench_b": second}
+    return dict(zip(("bench_a", "bench_b"), benches or (None, None), strict=True))
 
 
 def contact_time(march: March, *, start: float = 0.0, until: float | None = None) -> Values:
@@ -124,6 +122,5 @@ def _max_speed(
 
 
 # All quantities with a name of their own. Their values are in SI units.
-_FUNCTIONS: Mapping[str, Callable[..., Values]]
-_FUNCTIONS = {"contact-time": contact_time, "min-pitch": _min_pitch, "max-speed": _max_speed}
+_FUNCTIONS: Any = {"contact-time": contact_time, "min-pitch": _min_pitch, "max-speed": _max_speed}
 QUANTITIES = {name: Quantity(name, function) for name, function in _FUNCTIONS.items()}

@@ -11,8 +11,8 @@ from contextlib import AbstractContextManager, contextmanager, nullcontext, supp
 from functools import partial as partial_of
 from importlib import import_module
 from importlib.metadata import version
+from itertools import filterfalse
 from multiprocessing import get_context, parent_process
-from multiprocessing.process import BaseProcess
 from multiprocessing.spawn import get_executable
 from pathlib import Path
 from queue import SimpleQueue
@@ -130,8 +130,7 @@ def _outcomes(pool: Executor, call: Callable[..., Outcome], points: Iterable[Any
     try:
         for number, at in points:
             with signals_held():
-                future = pool.submit(call, at)
-                running[future] = number
+                running[future := pool.submit(call, at)] = number
                 future.add_done_callback(done.put)
             if len(running) >= _UNDER_WAY:
                 yield _finished(running, done)
@@ -143,14 +142,11 @@ def _outcomes(pool: Executor, call: Callable[..., Outcome], points: Iterable[Any
 
 def _finished(running: dict[Future[Outcome], int], done: SimpleQueue[Future[Outcome]]) -> dict[int, Outcome]:
     """Remove futures that are done, and return their outcomes; if one has an error and no other has one, raise it."""
-    found = [done.get()]
-    while not done.empty():
-        found.append(done.get())
-    whole = [future for future in found if not future.exception()]
-    for future in found:
-        if whole and future.exception():
-            done.put(future)
-    return {running.pop(future): future.result() for future in whole or found}
+    found = [done.get(), *(done.get() for _ in range(done.qsize()))]
+    chosen = list(filterfalse(Future.exception, found)) or found
+    for future in set(found).difference(chosen):
+        done.put(future)
+    return {running.pop(future): future.result() for future in chosen}
 
 
 def _pool(executor: Executor | None, scheduler: str | None, workers: int | None) -> AbstractContextManager[Executor]:
@@ -213,7 +209,7 @@ def _begin_worker() -> None:
     with suppress(OSError):  # There may be no stderr.
         os.dup2(2, 1)
 
-    def end_with(parent: BaseProcess) -> None:
+    def end_with(parent: Any) -> None:
         parent.join()
         os._exit(1)
 

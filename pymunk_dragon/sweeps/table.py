@@ -124,9 +124,8 @@ class Sweep(Result):
     """
 
     def __init__(self, quantity: Quantity, partial: Partial, reference: Values, seconds: float) -> None:
-        self.quantity = quantity.name
-        self.summary = quantity.summary
-        self.axes = partial.axes
+        self.quantity, self.summary = quantity.name, quantity.summary
+        self.axes, self.reference = partial.axes, reference
         self.names = tuple(self.axes)
         self.points = partial.count
         self._values, self._errors = zip(*map(partial.rows.__getitem__, range(self.points)), strict=True)
@@ -134,7 +133,6 @@ class Sweep(Result):
         self.columns = (*self.names, *self._of_quantity, "error")
         self.failed = self.points - self._errors.count(None)
         self.resumed = partial.resumed
-        self.reference = reference
         self.seconds = seconds
 
     def rows(self) -> Iterator[list[Any]]:
