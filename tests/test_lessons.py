@@ -18,10 +18,11 @@ from PIL import Image
 
 from pymunk_dragon.errors import DragonError, MissingExtraError
 from pymunk_dragon.lessons import LESSONS, Lesson, play, record, write_lessons
-from pymunk_dragon.lessons._framework import lesson
+from pymunk_dragon.lessons._framework import lesson, page
 from pymunk_dragon.lessons._framework.lesson import blocks
 from pymunk_dragon.lessons._framework.markup import html, plain
 from pymunk_dragon.lessons._framework.notebook import make_notebook
+from pymunk_dragon.lessons._framework.page import make_page
 
 LANGUAGES = ("en", "zh")
 SECTIONS = ["Title", "Question", "Guess", "Answer", "Check", "Try", "Change", "Teacher"]
@@ -226,3 +227,20 @@ def test_heads_are_bold_in_a_terminal_and_lines_are_short(terminal, call, tmp_pa
     out = call("demo", "spiral", "--save", tmp_path)[1]
     assert "\x1b" not in out
     assert max(map(len, out.splitlines())) <= 88
+
+
+def test_page_is_written_with_progress_the_same_every_time_or_not_at_all(tmp_path, monkeypatch):
+    told, path = [], tmp_path / "two.html"
+    chosen = [LESSONS["spiral"], LESSONS["chain"]]
+    write_lessons(chosen, path, progress=lambda *steps: told.append(steps))
+    assert told == [(1, 2), (2, 2)]
+    written = path.read_text(encoding="utf-8")
+    assert written == make_page([played("spiral"), played("chain")])
+
+    def interrupted(lesson):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(page, "record", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        write_lessons(chosen, path)
+    assert [(file.name, file.read_text(encoding="utf-8")) for file in tmp_path.iterdir()] == [("two.html", written)]

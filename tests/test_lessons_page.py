@@ -10,8 +10,7 @@ from browser import needs_browser, opened, wait_until
 from lesson_runs import played
 from sharing import shared
 
-from pymunk_dragon.lessons import LESSONS, write_lessons
-from pymunk_dragon.lessons._framework import page
+from pymunk_dragon.lessons import LESSONS
 from pymunk_dragon.lessons._framework.lesson import blocks
 from pymunk_dragon.lessons._framework.notebook import make_notebook
 from pymunk_dragon.lessons._framework.page import make_page
@@ -19,6 +18,7 @@ from pymunk_dragon.sessions.handle import Live
 from pymunk_dragon.sessions.ready import add, ready
 from pymunk_dragon.sessions.session import Session
 
+pytestmark = [pytest.mark.thorough, needs_browser]
 ALL = list(LESSONS.values())
 LANGUAGES = ("en", "zh")
 UNFOLD = """for (const lesson of document.querySelectorAll('.lesson')) {
@@ -60,25 +60,6 @@ def shown(seen, selector="body"):
     return "".join("".join(seen.page.locator(selector).all_inner_texts()).split())
 
 
-def test_page_is_written_with_progress_the_same_every_time_or_not_at_all(tmp_path, monkeypatch):
-    told, path = [], tmp_path / "two.html"
-    chosen = [LESSONS["spiral"], LESSONS["chain"]]
-    write_lessons(chosen, path, progress=lambda *steps: told.append(steps))
-    assert told == [(1, 2), (2, 2)]
-    written = path.read_text(encoding="utf-8")
-    assert written == make_page([played("spiral"), played("chain")])
-
-    def interrupted(lesson):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(page, "record", interrupted)
-    with pytest.raises(KeyboardInterrupt):
-        write_lessons(chosen, path)
-    assert [(file.name, file.read_text(encoding="utf-8")) for file in tmp_path.iterdir()] == [("two.html", written)]
-
-
-@pytest.mark.thorough
-@needs_browser
 def test_page_is_small_no_wider_than_the_window_requests_nothing_and_shows_all_pictures(browser, address):
     for media, width in (("screen", 1280), ("screen", 390), ("print", 688)):
         for language in LANGUAGES:
@@ -92,8 +73,6 @@ def test_page_is_small_no_wider_than_the_window_requests_nothing_and_shows_all_p
                 assert {url for url in seen.addresses if not url.startswith("data:")} == {f"{address}?{language}"}
 
 
-@pytest.mark.thorough
-@needs_browser
 def test_one_language_is_seen_at_a_time_with_the_same_programs(seen):
     seen.page.evaluate(UNFOLD)
     for language, other in (("en", "zh"), ("zh", "en")):
@@ -111,8 +90,6 @@ def test_one_language_is_seen_at_a_time_with_the_same_programs(seen):
     assert seen.page.locator("#spiral .answer [lang=en] msqrt").count() == 3
 
 
-@pytest.mark.thorough
-@needs_browser
 def test_address_names_the_language_and_the_lesson_and_remembers_the_choice(browser, address):
     with opened(browser, f"{address}?zh#chain") as seen:
         assert seen.page.evaluate("document.documentElement.lang") == "zh"
@@ -126,8 +103,6 @@ def test_address_names_the_language_and_the_lesson_and_remembers_the_choice(brow
         assert all(seen.page.locator(link).count() == 1 for link in links)
 
 
-@pytest.mark.thorough
-@needs_browser
 def test_nothing_of_the_answer_is_seen_before_the_experiment_is_opened(seen):
     text = shown(seen)
     for lesson in ALL:
@@ -138,8 +113,6 @@ def test_nothing_of_the_answer_is_seen_before_the_experiment_is_opened(seen):
         assert not seen.page.locator(f"#{lesson.name} :is(pre, img, canvas)").locator("visible=true").count()
 
 
-@pytest.mark.thorough
-@needs_browser
 def test_course_with_the_keyboard_guess_experiment_answer_and_again(seen):
     lesson = seen.page.locator("#spiral")
     opens, answer = lesson.locator(".cover .main"), lesson.locator(".answer")
@@ -168,8 +141,6 @@ def test_course_with_the_keyboard_guess_experiment_answer_and_again(seen):
     assert lesson.locator("canvas").count() == 1
 
 
-@pytest.mark.thorough
-@needs_browser
 def test_lesson_of_the_engine_shows_its_recorded_run_and_how_to_play_it_live(seen):
     lesson = seen.page.locator("#unguided")
     lesson.locator(".cover [formnovalidate]").click()
@@ -177,16 +148,12 @@ def test_lesson_of_the_engine_shows_its_recorded_run_and_how_to_play_it_live(see
     assert "pymunk-dragon demo --live" in lesson.locator(".stage").inner_text()
 
 
-@pytest.mark.thorough
-@needs_browser
 def test_without_script_all_texts_are_there(browser, address):
     with opened(browser, address, java_script_enabled=False) as seen:
         assert longest(LESSONS["spiral"].sections()["Check"]) in shown(seen)
         assert not seen.page.locator(".cover, .languages, .sides").locator("visible=true").count()
 
 
-@pytest.mark.thorough
-@needs_browser
 def test_programs_and_notebooks_can_be_taken_from_the_page(seen):
     for lesson in ALL:
         links = seen.page.locator(f"#{lesson.name} .files a")
@@ -196,8 +163,6 @@ def test_programs_and_notebooks_can_be_taken_from_the_page(seen):
         assert content == {(lesson.path.name, ""): lesson.source} | notebooks
 
 
-@pytest.mark.thorough
-@needs_browser
 def test_sheets_for_the_class_have_no_answers_and_those_for_the_teacher_do(seen):
     # What would be on paper when a button prints; a hidden button is clicked by the page itself.
     seen.page.evaluate("window.print = () => { window.paper = document.body.innerText; }")
@@ -220,8 +185,6 @@ def test_sheets_for_the_class_have_no_answers_and_those_for_the_teacher_do(seen)
         assert len(re.findall(rb"/Type /Page\b", seen.page.pdf(format=size))) == len(ALL), "a sheet is two pages long"
 
 
-@pytest.mark.thorough
-@needs_browser
 def test_experiments_with_pymunk_are_live_on_a_live_server(browser):
     page = make_page([played("callbacks"), played("tension")], live=True)
     for name in ("callbacks", "tension"):

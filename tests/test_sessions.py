@@ -33,7 +33,7 @@ from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.sessions import Slider, live
 from pymunk_dragon.sessions.ready import add, dragon, ready
-from pymunk_dragon.sessions.session import ACTIONS, Session, load_log
+from pymunk_dragon.sessions.session import ACTIONS, load_log
 
 SHORT = March(Dragon(benches=20))
 
@@ -87,9 +87,8 @@ def test_replay_of_a_saved_session_ends_in_the_same_state_to_the_bit_and_reset_u
         touch(on, 13)
         # After the last step.
         assert on.do("obstacle", shape="round", x=0.0, y=0.0, size=0.3) is None
-        with on.session.held:
-            log = on.session.log()
-            (tmp_path / "session.json").write_text(json.dumps(log))
+        log = on.session.log()
+        (tmp_path / "session.json").write_text(json.dumps(log))
         assert on.do("reset") is None
         assert without_generation(on.session) == fresh
         assert (on.scene.steps, on.scene.time, on.session.inputs) == (0, 0.0, [])

@@ -33,16 +33,9 @@ BAD_NUMBERS = ["nan", "inf", "-inf", "1e309", "1e-320", "0", "-0.0", "-1", "-1e9
 BAD_NUMBERS += ["abc", "None", "true", "1,5", "1:2", "½", "٣", "1e", "--", "-", "é", "\n", "a\nb", "\x1b[31m", "%s"]
 BAD_NUMBERS += ["{}", "$HOME", "*", "~", "../x", "'", '"', "\\", "\udcff", "1" * 5000]
 # Names of files to read or to write, of which some are there and some cannot be.
-FILES = {
-    "s.toml": b"benches = 6\npitch = 0.6\n",
-    "bad.toml": b"benches = 'six'\n",
-    "t.csv": b"x,y\n0,0\n15,1\n30,0\n45,-8\n",
-    "speed.csv": b"0,1\n5,2\n",
-    "junk.npz": b"PK\x03\x04 no archive",
-    "old.json": b"{}",
-    "old.gif": b"GIF",
-    "old.npz": b"old",
-}
+FILES = {"s.toml": b"benches = 6\npitch = 0.6\n", "bad.toml": b"benches = 'six'\n", "speed.csv": b"0,1\n5,2\n"}
+FILES |= {"t.csv": b"x,y\n0,0\n15,1\n30,0\n45,-8\n", "junk.npz": b"PK\x03\x04 no archive"}
+FILES |= {"old.json": b"{}", "old.gif": b"GIF", "old.npz": b"old"}
 NAMES = [*FILES, "folder", "folder/new.json", "none/new.json", ".", "..", "../up.json", "new", "x" * 300 + ".json"]
 NAMES += ["é.json", "a b.csv", "a\nb.json", "-.json", ".json", "/dev/null", "\udcff.npz"]
 NAMES += [f"new.{ending}" for ending in ("json", "csv", "npz", "gif", "svg", "html", "md", "xlsx", "mp4")]
@@ -105,12 +98,8 @@ SCENARIOS = [
     "benches = 4\noverhang = [0.1, 0.2]\nwidth = 0.2\npitch = 0.6\nturns = 9\nspeed = [[0, 1], [5, 2]]\n",
     "benches = 5\nbody_spacing = [1.5, 2]\ncurve = 'u-turn'\nradius = 5\nratio = 2\nstart_s = -9\nspeed = 2\n",
 ]
-TABLES = [
-    "x,y\n0,0\n10,0\n20,4\n30,5\n",
-    "0,1\n5,2\n10,1.5\n",
-    "t;v\r\n0;1\r\n5;2\r\n",
-    "\ufeff1 , 2\n\n3 ,4\n5, 6\n8,1",
-]
+TABLES = ["x,y\n0,0\n10,0\n20,4\n30,5\n", "0,1\n5,2\n10,1.5\n"]
+TABLES += ["t;v\r\n0;1\r\n5;2\r\n", "\ufeff1 , 2\n\n3 ,4\n5, 6\n8,1"]
 ODD_TOML = ["nan", "-inf", "1979-05-27", "true", "''", '"spiral"', "[]", "{}", "[[]]", "1e400", "-1", "0", "9" * 400]
 ODD_TOML += ["[nan, 1]", '"\\u001b[31m"', "{kind = 3}", "[1" + ", 1" * 300 + "]", '"t.csv"']
 ODD_JSON = ["null", "true", "[]", "{}", '""', '"\\u001b[2J"', '"/dev/zero"', "NaN", "-1", "0", "1e308", "1" + "0" * 400]
