@@ -156,6 +156,7 @@ class Live extends Stage {
     this.decode();
     const { frame, state, view, painter, tools } = this;
     painter.resize();
+    if (!this.drawn) painter.clear(); // A new canvas is black.
     if (!frame || !state) return;
     const { poses } = this;
     this.leaveRoom();

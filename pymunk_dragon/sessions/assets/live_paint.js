@@ -9,9 +9,7 @@ class LivePainter extends Painter {
 
   setModel(model) {
     const { dragon } = model.scene;
-    this.model = this.motion = model;
-    this.payload = { dragon };
-    this.curve = dragon?.curve ?? [];
+    Object.assign(this, { model, motion: model, payload: { dragon }, curve: dragon?.curve ?? [] });
     this.curveError = Math.max(dragon?.curve_error ?? 0, Number.EPSILON);
     this.forceScale = new LogScale();
     this.impulseScale = new LogScale();
