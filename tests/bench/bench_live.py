@@ -29,7 +29,7 @@ from live_sessions import Client, joined
 from pymunk_dragon.sessions import Slider, live
 from pymunk_dragon.sessions.ready import _boxes
 
-CLIENTS, SECONDS = sized((20, 300.0), (2, 6.0))
+CLIENTS, SECONDS = sized((20, 600.0), (2, 6.0))
 OBSTACLES, RESETS = 30, 20
 # Frames before a measurement, and measured.
 FRAMES = sized(600, 30)
@@ -108,7 +108,7 @@ def start() -> None:
 
 
 def soak() -> None:
-    """Frames, rate and memory for 5 minutes with 20 clients, obstacles, resets, and a client that drags."""
+    """Frames, rate and memory for 10 minutes with 20 clients, obstacles, resets, and a client that drags."""
 
     async def clients(address: str, process: psutil.Process) -> list[list[float]]:
         watching = asyncio.gather(*(watch(address, SECONDS, acts=number == 0) for number in range(CLIENTS)))

@@ -73,6 +73,7 @@ for (const lesson of document.querySelectorAll(".lesson")) {
 
   lesson.querySelector(".again").addEventListener("click", () => {
     form.reset();
+    if (stage.dataset.stage) stage.replaceChildren(); // The experiment begins anew.
     enter("guess");
     form.querySelector("input")?.focus();
   });
