@@ -1,6 +1,6 @@
 """A bench dragon coils inward until it runs into itself: Pymunk plays it, an exact model checks it."""
 
-# ruff: noqa: F403
+# ruff: noqa: F403  # For type checkers only; `__all__` has the names.
 
 from __future__ import annotations
 

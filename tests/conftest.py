@@ -67,9 +67,8 @@ def examples(count):
 
 def pytest_addoption(parser):
     """Add the flag that writes golden pictures."""
-    parser.addoption(
-        "--regenerate-golden", action="store_true", help="write tests/data/*/*.png; look at them afterwards"
-    )
+    about = "write tests/data/*/*.png; look at them afterwards"
+    parser.addoption("--regenerate-golden", action="store_true", help=about)
 
 
 @pytest.fixture

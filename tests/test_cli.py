@@ -149,7 +149,10 @@ def test_contact_tells_of_near_misses_and_other_endings(answer):
 def test_contact_writes_the_contests_sheet(answer, call, tmp_path):
     path = tmp_path / "result2.xlsx"
     answer("contact", *SHORT, "-o", path)
-    assert openpyxl.load_workbook(path)["Sheet1"]["B2"].value == 1.209931
+    rows = list(openpyxl.load_workbook(path)["Sheet1"].iter_rows(values_only=True))
+    assert rows[0] == (None, "横坐标x (m)", "纵坐标y (m)", "速度 (m/s)")
+    assert rows[1] == ("龙头", 1.209931, 1.942784, 1)
+    assert len(rows) == 225
     path.unlink()
     code, out, err = call("contact", "--until", "1", "-o", path)
     assert (code, out) == (1, "")

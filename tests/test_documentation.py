@@ -101,9 +101,8 @@ def test_every_public_name_has_its_place_on_a_page_with_an_example(site, pages):
 def test_links_have_names_headings_skip_no_level_and_what_scrolls_has_focus(pages):
     for path, page in pages.items():
         links = page.soup.find_all("a")
-        assert all(each.text.strip() or each.get("aria-label") or each.find("img", alt=True) for each in links), (
-            path.name
-        )
+        names = [each.text.strip() or each.get("aria-label") or each.find("img", alt=True) for each in links]
+        assert all(names), path.name
         levels = [int(each.name[1]) for each in page.soup.main.find_all(re.compile("h[1-6]"))]
         assert all(after <= before + 1 for before, after in pairwise(levels)), path.name
         assert all(each.has_attr("tabindex") for each in page.soup.find_all(["pre", "table"])), path.name

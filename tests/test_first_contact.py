@@ -135,9 +135,8 @@ def test_contact_of_four_milliseconds_is_found_though_a_scan_misses_it():
 
 
 def test_gap_or_overlap_of_a_hundredth_of_a_nanometre_is_told_apart():
-    apart, touching = (
-        first_contact(March(Dragon(width=width)), start=409, until=410) for width in (0.30097406879, 0.3009740688)
-    )
+    dragons = Dragon(width=0.30097406879), Dragon(width=0.3009740688)
+    apart, touching = (first_contact(March(dragon), start=409, until=410) for dragon in dragons)
     assert (apart.status, touching.status) == ("clear", "contact")
     (miss,) = apart.near_misses
     assert 0 < miss.gap < 2e-11

@@ -212,9 +212,8 @@ def test_smallest_pitch_and_the_time_of_its_touch_are_those_of_many_digits():
 @pytest.mark.thorough
 def test_pitch_of_looks_each_second_is_where_one_of_them_sees_no_gap():
     with mp.workdps(oracle.DIGITS):
-        pitch = mp.findroot(
-            lambda p: oracle.gap(mp.mpf(216), (0, 19), sizes(pitch=p)), (mp.mpf("0.4502"), mp.mpf("0.4503")), tol=1e-30
-        )
+        ends = mp.mpf("0.4502"), mp.mpf("0.4503")
+        pitch = mp.findroot(lambda p: oracle.gap(mp.mpf(216), (0, 19), sizes(pitch=p)), ends, tol=1e-30)
     seen, truth = (numbers(line) for line in printed("pitch")[2:])
     assert seen[-2] == truth[-2] == round(float(pitch), 6)
     deepest = min(gap(216.2 + k / 100, (0, 19), pitch=mp.nstr(pitch, 20)) for k in range(15))
@@ -291,12 +290,8 @@ def test_an_error_in_begin_is_lost_and_one_in_simulate_is_raised():
 
 def forces(lines, name):
     """Printed force by joint."""
-    return {
-        int(joint): float(force)
-        for joint, force in re.findall(
-            r"joint +(\d+): +([\d.]+) N", "".join(line for line in lines if line.startswith(name))
-        )
-    }
+    found = re.findall(r"joint +(\d+): +([\d.]+) N", "".join(line for line in lines if line.startswith(name)))
+    return {int(joint): float(force) for joint, force in found}
 
 
 def test_each_joint_carries_the_drag_of_all_benches_behind_it():

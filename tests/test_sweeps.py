@@ -393,7 +393,7 @@ def test_python_that_cannot_be_executed_is_an_error(tmp_path):
 
 CLUSTER = """
 import distributed, threading
-with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address='127.0.0.1:0') as cluster:
     print(cluster.scheduler_address, flush=True)
     threading.Event().wait()
 """

@@ -52,7 +52,7 @@ _LOOKAHEAD = 0.25
 class Path(Protocol):
     """The part of `Curve` that this module uses."""
 
-    # ruff: noqa: D102
+    # ruff: noqa: D102  # `Curve` documents them.
     @property
     def begin_s(self) -> float: ...
     def point(self, s: ArrayLike) -> Array: ...
