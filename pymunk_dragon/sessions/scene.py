@@ -13,8 +13,8 @@ import pymunk
 from pymunk_dragon._arguments import Array, positive, word
 from pymunk_dragon.drawing.canvas import in_binary, packed
 from pymunk_dragon.drawing.debug_draw import DrawRecorder, area
-from pymunk_dragon.drawing.readings import Readings, body_at, energies, joint_at, joint_rows
 from pymunk_dragon.errors import DragonError, ParameterError
+from pymunk_dragon.physics.readings import Readings, body_at, energies, joint_at, joint_rows
 from pymunk_dragon.sessions.controls import Button, Key, PygameEvents, Slider
 
 # Largest acceleration by a hand, in m/s^2, as in Box2D's testbed; in scenes larger than this size, more.
