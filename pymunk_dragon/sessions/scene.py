@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pymunk
 
-from pymunk_dragon._arguments import Array, positive, word
+from pymunk_dragon._arguments import Array, finite, positive, whole, word
 from pymunk_dragon.drawing.canvas import in_binary, packed
 from pymunk_dragon.drawing.debug_draw import DrawRecorder, area
 from pymunk_dragon.errors import DragonError, ParameterError
@@ -22,6 +22,8 @@ _HAND_ACCELERATION, _HAND_SIZE = 1000.0, 10.0
 # Share of the distance to the pointer that is left after a second, as in Pymunk's examples.
 _HAND_BIAS = (1 - 0.15) ** 60
 _OBSTACLE_FRICTION = 0.4
+# Largest turn of the wheel in a message, more than a hand makes between two pictures.
+_MOST_NOTCHES = 100.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -122,12 +124,23 @@ class Scene:
         if action := getattr(control, "action" if down else "up", None):
             action(self.space)
 
-    def pointer(self, x: float, y: float, kind: str) -> None:
+    def pointer(self, x: float, y: float, kind: str, button: int = 1) -> None:
         """Hand the pointer on to a pygame program, whose window has its origin at the upper left."""
         kind = word("kind", kind, ("down", "move", "up"))
+        button = whole("button", button, 1, 3)
+        down = y if self.play.y_down else self.field["size"][1] - y
+        self._program().pointer(x, down, kind, button)
+
+    def wheel(self, right: float, up: float) -> None:
+        """Hand a turn of the wheel on to a pygame program: notches to the right, and up."""
+        right = finite("right", right, -_MOST_NOTCHES, _MOST_NOTCHES, "notches")
+        up = finite("up", up, -_MOST_NOTCHES, _MOST_NOTCHES, "notches")
+        self._program().wheel(right, up)
+
+    def _program(self) -> PygameEvents:
         if self.pygame is None:
-            raise ParameterError("pointer", kind, "sent to a program with PygameEvents")
-        self.pygame.pointer(x, y if self.play.y_down else self.field["size"][1] - y, kind)
+            raise ParameterError("pointer", None, "sent to a program with PygameEvents")
+        return self.pygame
 
     def grab(self, x: float, y: float, slip: float) -> None:
         """Hold the body that is drawn on top at a point of the world, or the nearest within `slip`."""
