@@ -187,9 +187,9 @@ def test_what_a_page_holds_of_a_pygame_program_is_released_when_it_is_left(brows
 
 def test_keys_with_shift_and_ctrl_reach_a_pygame_program_and_are_released(browser, monkeypatch):
     with playing(browser, monkeypatch) as (session, page, pygame):
-        page.keyboard.down("a")
+        page.keyboard.down("KeyA")
         page.keyboard.down("Shift")
-        page.keyboard.up("a")
+        page.keyboard.up("KeyA")
         page.keyboard.up("Shift")
         names = posted(session, pygame, 4)
         shift = pygame.K_LSHIFT
@@ -205,9 +205,9 @@ def test_key_whose_name_changes_with_shift_is_released(browser):
     told = []
     keys = [Key("w", lambda space: told.append("down"), lambda space: told.append("up"))]
     with shown(browser, source_of(pymunk.Space, Play(controls=keys))) as (_, page):
-        page.keyboard.down("w")
+        page.keyboard.down("KeyW")
         page.keyboard.down("Shift")
-        page.keyboard.up("w")
+        page.keyboard.up("KeyW")
         page.keyboard.press("Space")
         wait_until(page, "!live.state.running")
         # What was sent before has taken effect.

@@ -114,8 +114,8 @@ function decodeFrame(buffer) {
   return frame;
 }
 
-// What Pymunk draws, as objects: kind, points, radius, angle, colours, and how a hand holds it: 2 if it can, 1 where it
-// finds nothing else (a body of sensors only), 0 if it cannot.
+// What Pymunk draws, as objects: kind, points, radius, angle, colours, and the grip of a hand: 2 if it
+// can hold the body, 1 where it finds nothing else (a body of sensors only), 0 if it cannot.
 function callsOf({ calls, colours = [] }) {
   const texts = colours.map(([r, g, b, a]) => `rgba(${r}, ${g}, ${b}, ${a / 255})`);
   const found = [];

@@ -41,8 +41,9 @@ class Model {
     return `${numberText(force)} ${this.forceUnit}`;
   }
 
-  // What a hand takes at a point, as the server does: a bench, or the shape with the best grip that is drawn last there,
-  // or else the nearest within `slip`; and its point closest to that point. Null if there is none.
+  // What a hand takes at a point, as the server does: a bench, or the shape with the best grip that is
+  // drawn last there, or else the nearest within `slip`; and its point closest to that point. Null if
+  // there is none.
   bodyAt(point, slip, { calls }, poses) {
     if (this.benches) {
       const benches = new Benches(this, poses), bench = benches.at(point, slip);

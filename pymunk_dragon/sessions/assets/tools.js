@@ -17,7 +17,8 @@ class Tools {
     this.chosen = "drag";
     this.carried = null; // position of the pointer that holds a body
     this.buttons = 0; // those that the program knows to be down, as in `PointerEvent.buttons`
-    this.place = this.turned = null; // where the program's pointer is, and notches of the wheel that it was not sent yet
+    this.place = null; // where the program's pointer is
+    this.turned = null; // notches of the wheel, to the right and up, that the program was not sent yet
   }
 
   // A rebuilt scene keeps the size of obstacles.
