@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import runpy
 import sys
@@ -13,6 +14,7 @@ import pymunk
 import pytest
 from documents import GUIDES
 from live_sessions import decoded
+from test_sessions_input import keep_queries
 
 from pymunk_dragon.sessions import Live
 from pymunk_dragon.sessions.scene import Play, Scene
@@ -122,7 +124,7 @@ def test_page_gets_what_pymunk_draws_of_its_examples_at_the_start_and_after_2_s(
 OPENS = "session = live({space}, step=None, {down}units='px', controls=[PygameEvents()])"
 STEPS = 40
 ROWS = re.findall(r"^\| ([\w, ]+) \| `(.+)` \| `(.+)` \| (up|down) \|$", GUIDES["live"].text, re.MULTILINE)
-CHANGED = [(name, *others) for names, *others in ROWS for name in names.split(", ")]
+CHANGED = {name: others for names, *others in ROWS for name in names.split(", ")}
 
 
 def changed(source, space_line, step_line, direction):
@@ -144,21 +146,19 @@ def changed(source, space_line, step_line, direction):
     return "\n".join(lines), count
 
 
-@pytest.mark.thorough
-@pytest.mark.parametrize(("name", "space_line", "step_line", "direction"), CHANGED)
-def test_example_of_pymunk_plays_with_keys_and_mouse_after_five_changed_lines_at_most(
-    name, space_line, step_line, direction, monkeypatch
-):
+@pytest.fixture
+def played_example(monkeypatch):
+    """A function that plays an example of the guide's table: its scene, and its events.
+
+    The inputs are lists of messages, of which one is sent before each step after the tenth.
+    """
     pygame = pytest.importorskip("pygame", reason="pygame-ce is in the extra test")
     for variable in ("SDL_VIDEODRIVER", "SDL_AUDIODRIVER"):
         monkeypatch.setenv(variable, "dummy")
     monkeypatch.setattr("webbrowser.open", lambda address: True)
     # A clock that does not wait.
     monkeypatch.setattr(pygame.time, "Clock", lambda: SimpleNamespace(tick=lambda rate=0: 16, get_fps=lambda: 60.0))
-    for module, queries in ((pygame.key, ("get_pressed", "get_mods")), (pygame.mouse, ("get_pos", "get_pressed"))):
-        for query in queries:
-            # `PygameEvents` replaces them.
-            monkeypatch.setattr(module, query, getattr(module, query))
+    keep_queries(pygame, monkeypatch)
     get, seen = pygame.event.get, []
 
     def noted(*args, **keywords):
@@ -169,43 +169,91 @@ def test_example_of_pymunk_plays_with_keys_and_mouse_after_five_changed_lines_at
     monkeypatch.setattr(pygame.event, "get", noted)
     step, sessions_open = Live.step, []
 
-    def stepped(live, dt):
-        session = live._session
-        if not sessions_open:
-            sessions_open.append(live)
-            session.speed = 20.0
-        if session.scene.steps == 10:
-            for message in (
-                {"do": "press", "name": "ArrowLeft", "down": True},
-                {"do": "pointer", "x": 120.0, "y": 130.0, "kind": "move"},
-                {"do": "pointer", "x": 120.0, "y": 130.0, "kind": "down"},
-                {"do": "pointer", "x": 125.0, "y": 130.0, "kind": "up"},
-            ):
-                session.post(message)
-        step(live, dt)
-        if session.scene.steps >= STEPS:
-            raise ReachedStepError
+    def play(name, inputs, count=lambda space: len(space.shapes)):
+        before = []
+        space_line, step_line, direction = CHANGED[name]
 
-    monkeypatch.setattr(Live, "step", stepped)
-    monkeypatch.chdir(EXAMPLES)
-    monkeypatch.syspath_prepend(EXAMPLES)
-    monkeypatch.setattr(sys, "argv", [name, "/i"])
-    source, count = changed((EXAMPLES / f"{name}.py").read_text(), space_line, step_line, direction)
-    assert count <= 5
-    try:
+        def stepped(live, dt):
+            session = live._session
+            if not sessions_open:
+                sessions_open.append(live)
+                session.speed = 20.0
+            number = session.scene.steps - 10
+            if number == 0:
+                before.append(count(session.scene.space))
+            for message in inputs[number] if 0 <= number < len(inputs) else ():
+                session.post(message)
+            step(live, dt)
+            if session.scene.steps >= STEPS:
+                raise ReachedStepError
+
+        monkeypatch.setattr(Live, "step", stepped)
+        monkeypatch.chdir(EXAMPLES)
+        monkeypatch.syspath_prepend(EXAMPLES)
+        monkeypatch.setattr(sys, "argv", [name, "/i"])
+        path = EXAMPLES / f"{name}.py"
+        source, changes = changed(path.read_text(), space_line, step_line, direction)
+        assert changes <= 5
         with pytest.raises(ReachedStepError):
-            exec(compile(source, name, "exec"), {"__name__": "__main__", "__file__": str(EXAMPLES / f"{name}.py")})
+            exec(compile(source, name, "exec"), {"__name__": "__main__", "__file__": str(path)})
         scene = sessions_open[0]._session.scene
-        assert_drawn_alike(scene, name)
-        kinds = {event.type for event in seen}
-        assert {pygame.KEYDOWN, pygame.MOUSEBUTTONDOWN, pygame.MOUSEBUTTONUP, pygame.MOUSEMOTION} <= kinds
-        [down] = [event for event in seen if event.type == pygame.MOUSEBUTTONDOWN]
-        height = scene.field["size"][1]
-        assert down.pos == (120, 130 if direction == "down" else height - 130)
-        assert scene.steps == STEPS
-    finally:
-        for live in sessions_open:
-            live.stop()
+        return scene, seen, count(scene.space) - before[0]
+
+    yield play
+    for live in sessions_open:
+        live.stop()
+
+
+def key(name, down=True):
+    return {"do": "press", "name": name, "down": down}
+
+
+def click(x, y, button=1, to=None):
+    """Messages of a button that goes down at a point of the page, and up at another."""
+    down = {"do": "pointer", "x": x, "y": y, "kind": "down", "button": button}
+    goal = to or (x, y)
+    return [down | {"kind": "move"}, down, down | {"kind": "up", "x": goal[0], "y": goal[1]}]
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", CHANGED)
+def test_example_of_pymunk_plays_with_keys_and_mouse_after_five_changed_lines_at_most(name, played_example):
+    pygame = pytest.importorskip("pygame", reason="pygame-ce is in the extra test")
+    inputs = [key("ArrowLeft"), *click(120.0, 130.0, to=(125.0, 130.0)), {"do": "wheel", "right": 0.0, "up": 1.0}]
+    scene, seen, _ = played_example(name, [inputs])
+    assert_drawn_alike(scene, name)
+    kinds = {pygame.event.event_name(event.type) for event in seen}
+    assert {"KeyDown", "MouseButtonDown", "MouseButtonUp", "MouseMotion", "MouseWheel"} <= kinds
+    [down] = [event for event in seen if event.type == pygame.MOUSEBUTTONDOWN and event.button == 1]
+    height = scene.field["size"][1]
+    assert down.pos == (120, 130 if CHANGED[name][2] == "down" else height - 130)
+    assert scene.steps == STEPS
+
+
+def lines(space):
+    return [shape for shape in space.shapes if isinstance(shape, pymunk.Segment)]
+
+
+def angles(space):
+    return [body.angle for body in space.bodies if body.body_type != pymunk.Body.DYNAMIC]
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(
+    ("name", "inputs", "count"),
+    [
+        ("balls_and_lines", [click(300.0, 300.0, 3, to=(400.0, 320.0))], lambda space: len(lines(space))),
+        ("collisions", [click(300.0, 300.0, 3)], lambda space: round(sum(angles(space)) / (math.pi / 8))),
+        (
+            "playground",
+            [[key("Control")], click(100.0, 300.0, 3), click(200.0, 350.0, 3), [key("Control", False)]],
+            lambda space: len(lines(space)),
+        ),
+    ],
+)
+def test_right_button_does_in_examples_of_pymunk_what_it_does_there(name, inputs, count, played_example):
+    _, _, difference = played_example(name, inputs, count)
+    assert difference == 1
 
 
 def test_twenty_examples_of_pymunk_are_in_the_documentation():

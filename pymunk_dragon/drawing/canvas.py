@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import struct
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -17,14 +17,20 @@ from pymunk_dragon.drawing.debug_draw import DrawCall
 _KINDS = {"circle": 0, "segment": 1, "polygon": 2, "line": 3, "dot": 4}
 
 
-def packed(calls: Sequence[DrawCall]) -> tuple[Array, list[list[float]]]:
-    """Return calls as numbers, and their colours: kind, points, radius, angle, fill, outline, moves, and the points."""
+def packed(calls: Sequence[DrawCall], grip: Callable[[Any], int]) -> tuple[Array, list[list[float]]]:
+    """Return calls as numbers, and their colours.
+
+    A call is its kind, number of points, radius, angle, fill, outline and grip, and the points.
+    The grip is that of its shape, and 0 without one.
+    """
     colours: dict[Any, int] = {}
     numbers: list[float] = []
     for call in calls:
         fill = colours.setdefault(call.fill, len(colours))
         outline = -1 if call.outline is None else colours.setdefault(call.outline, len(colours))
-        numbers += [_KINDS[call.name], len(call.points), call.radius, call.angle, fill, outline, call.moves]
+        held = 0 if call.shape is None else grip(call.shape)
+        numbers += [_KINDS[call.name], len(call.points), call.radius, call.angle]
+        numbers += [fill, outline, held]
         for point in call.points:
             numbers.extend(point)
     return np.array(numbers, dtype=float), [[*map(float, colour)] for colour in colours]

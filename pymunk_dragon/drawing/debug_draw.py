@@ -84,8 +84,8 @@ class DrawCall:
     """What Pymunk draws for a shape, a constraint or a contact, in the space's units and its own colours, 0 to 255.
 
     `name` is "circle", "segment" or "polygon" for shapes, "line" or "dot" for constraints, and "contact". `points` has
-    a centre, the ends of a line, or corners. The `radius` of a dot is in pixels. Only shapes have an `outline`, and
-    only circles an `angle`, rad; `moves` is whether the body of a shape is dynamic.
+    a centre, the ends of a line, or corners. The `radius` of a dot is in pixels. Only what is drawn
+    for a `shape` has an `outline`, and only circles have an `angle`, rad.
     """
 
     name: str
@@ -94,11 +94,16 @@ class DrawCall:
     fill: Colour
     outline: Colour | None = None
     angle: float = 0.0
-    moves: bool = False
+    shape: pymunk.Shape | None = None
 
 
 class DrawRecorder(pymunk.SpaceDebugDrawOptions):
     """Recorder of Pymunk's debug drawing: `space.debug_draw(recorder)` makes a new list of `calls`, for any painter.
+
+    Shapes are drawn where their bodies are now, also if these were moved since the last step;
+    Pymunk (7.3.1) itself draws them where the step left them. Shapes of a static body stay where
+    they are, and collide there, until `Space.reindex_shapes_for_body`. Drawing changes no run: the
+    next step places the shapes again.
 
     Chipmunk is written in C, and Python only prints an exception in a function that C calls. That of a shape with a
     wrong `color` is raised by `debug_draw`.
@@ -108,11 +113,14 @@ class DrawRecorder(pymunk.SpaceDebugDrawOptions):
         super().__init__()
         self.calls: list[DrawCall] = []
         self._error: Exception | None = None
-        self._moves = False
+        self._shape: pymunk.Shape | None = None
 
     def color_for_shape(self, shape: pymunk.Shape) -> Colour:
         """Return the colour of the shape that Chipmunk draws next: its own colour, or that of its kind of body."""
-        self._moves = shape.body is not None and shape.body.body_type == pymunk.Body.DYNAMIC
+        self._shape = shape
+        if shape.body is not None and shape.body.body_type != pymunk.Body.STATIC:
+            # Chipmunk asks for the colour before it reads where the shape is.
+            shape.cache_bb()
         try:
             red, green, blue, alpha = map(float, super().color_for_shape(shape))
         except (TypeError, ValueError) as error:
@@ -122,7 +130,7 @@ class DrawRecorder(pymunk.SpaceDebugDrawOptions):
 
     def draw_circle(self, pos: _Point, angle: float, radius: float, outline_color: Colour, fill_color: Colour) -> None:
         """Record a circle with a line from its centre in the direction of `angle`."""
-        self.calls.append(DrawCall("circle", (pos,), radius, fill_color, outline_color, angle, self._moves))
+        self.calls.append(DrawCall("circle", (pos,), radius, fill_color, outline_color, angle, self._shape))
 
     def draw_segment(self, a: _Point, b: _Point, color: Colour) -> None:
         """Record a line of a constraint or, if it has the colour of collision points, a contact."""
@@ -131,11 +139,11 @@ class DrawRecorder(pymunk.SpaceDebugDrawOptions):
 
     def draw_fat_segment(self, a: _Point, b: _Point, radius: float, outline_color: Colour, fill_color: Colour) -> None:
         """Record a segment with round ends."""
-        self.calls.append(DrawCall("segment", (a, b), radius, fill_color, outline_color, 0.0, self._moves))
+        self.calls.append(DrawCall("segment", (a, b), radius, fill_color, outline_color, 0.0, self._shape))
 
     def draw_polygon(self, verts: Sequence[_Point], radius: float, outline_color: Colour, fill_color: Colour) -> None:
         """Record a convex polygon with corners rounded by a radius."""
-        self.calls.append(DrawCall("polygon", tuple(verts), radius, fill_color, outline_color, 0.0, self._moves))
+        self.calls.append(DrawCall("polygon", tuple(verts), radius, fill_color, outline_color, 0.0, self._shape))
 
     def draw_dot(self, size: float, pos: _Point, color: Colour) -> None:
         """Record a disc of radius `size`, pixels."""
@@ -143,7 +151,7 @@ class DrawRecorder(pymunk.SpaceDebugDrawOptions):
 
     def __enter__(self) -> None:
         """Start recording, in the space's own coordinates."""
-        self.calls, self._error = [], None
+        self.calls, self._error, self._shape = [], None, None
         self._view = self.transform
         self.transform = pymunk.Transform.identity()
 

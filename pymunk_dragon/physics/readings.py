@@ -86,16 +86,46 @@ def joint_at(joints: Sequence[pymunk.Constraint], x: float, y: float, slip: floa
     return joints[int(np.nanargmin(distances))]
 
 
-def body_at(space: pymunk.Space, x: float, y: float, slip: float) -> tuple[pymunk.Body, pymunk.Vec2d]:
-    """The body nearest to a point, if it can move and is within `slip`, and its point that is nearest."""
-    found, moves = space.point_query((x, y), slip, pymunk.ShapeFilter()), pymunk.Body.DYNAMIC
-    near = [
-        (each.distance, body, each.point) for each in found if (body := each.shape.body) and body.body_type == moves
-    ]
+def grip(shape: pymunk.Shape) -> int:
+    """How a hand holds a body by a shape: 2 if it can, 1 where it finds no other, 0 if it cannot.
+
+    Only dynamic bodies are held. A sensor counts as empty ground, unless its body has only sensors.
+    """
+    body = shape.body
+    if body is None or body.body_type != pymunk.Body.DYNAMIC:
+        return 0
+    if not shape.sensor:
+        return 2
+    return int(all(each.sensor for each in body.shapes))
+
+
+def body_at(
+    shapes: Sequence[pymunk.Shape],
+    x: float,
+    y: float,
+    slip: float,
+) -> tuple[pymunk.Body, pymunk.Vec2d]:
+    """The body that a hand takes at a point, and its point that is nearest.
+
+    Of `shapes`, in the order of drawing and with the best grip, that is the last that covers the
+    point, or else the nearest within `slip`. What they collide with does not matter.
+    """
+    point = pymunk.Vec2d(x, y)
+    near = []
+    for shape in reversed(shapes):
+        hold, body = grip(shape), shape.body
+        if hold == 0 or body is None:
+            continue
+        found = shape.point_query(point)
+        distance = max(found.distance, 0.0)
+        if distance <= slip:
+            # Pymunk (7.3.1) has NaN for a point on the edge of a polygon.
+            nearest = found.point if distance > 0 else point
+            near.append((-hold, distance, body, nearest))
     if not near:
         raise ParameterError("x, y", (x, y), "a point of a body that can be moved")
-    distance, body, point = min(near, key=lambda each: each[0])
-    return body, point if distance > 0 else pymunk.Vec2d(x, y)
+    best = min(near, key=lambda each: each[:2])
+    return best[2], best[3]
 
 
 def _end(joint: pymunk.Constraint, side: str) -> pymunk.Vec2d:

@@ -15,8 +15,15 @@ from pymunk_dragon._extras import library
 from pymunk_dragon.errors import ParameterError
 
 _Action = Callable[[pymunk.Space], object]
-# Names of keys in browsers that pygame names otherwise.
-_KEY_NAMES = {"Enter": "return", "Shift": "left shift", "Control": "left ctrl", "Alt": "left alt", " ": "space"}
+# Names of keys in browsers, and those of pygame's constants where they differ.
+_KEY_NAMES = {
+    "Enter": "RETURN",
+    "Shift": "LSHIFT",
+    "Control": "LCTRL",
+    "Alt": "LALT",
+    "Meta": "LMETA",
+}
+_MODIFIERS = "LSHIFT", "LCTRL", "LALT", "LMETA"
 
 
 @dataclass(frozen=True)
@@ -97,10 +104,12 @@ class Key(Button):
 
 
 class PygameEvents:
-    """Keys and the pointer of the page as pygame's events, for a pygame program that steps its space by `Live.step`.
+    """Keys and mouse of the page as pygame's events, for a pygame program that uses `Live.step`.
 
-    pygame's ``key.get_pressed``, ``key.get_mods``, ``mouse.get_pos`` and ``mouse.get_pressed`` then have the state of
-    the page, which shows the area of pygame's window; with ``SDL_VIDEODRIVER=dummy`` the program needs no screen. A
+    pygame's ``key.get_pressed``, ``key.get_mods``, ``mouse.get_pos``, ``mouse.get_rel`` and
+    ``mouse.get_pressed`` then have the state of the page, also before the program opens a window
+    and without one. Events are posted only while there is a window, as pygame takes no others.
+    The page shows the area of the window. With ``SDL_VIDEODRIVER=dummy`` no screen is needed. A
     `MissingExtraError` is raised if pygame is not installed.
 
     Examples
@@ -112,35 +121,90 @@ class PygameEvents:
     def __init__(self) -> None:
         self._pygame = pygame = library("pygame")
         self._keys: defaultdict[int, bool] = defaultdict(bool)
-        self._place, self._button = (0, 0), False
+        self._place = self._place_before = (0, 0)
+        # Left, middle and right; a mouse with five has two more, which the page does not send.
+        self._buttons = [False] * 3
+        # Parts of notches, to the right and up, that are not posted yet.
+        self._right = self._up = 0.0
         pygame.key.get_pressed = lambda: self._keys
+        pygame.key.get_mods = self._mods
         pygame.mouse.get_pos = lambda: self._place
-        pygame.mouse.get_pressed = lambda num_buttons=3: (self._button, False, False)
+        pygame.mouse.get_rel = self._moved
+        pygame.mouse.get_pressed = self._pressed
 
     @property
     def field(self) -> tuple[float, float, float, float] | None:
         """Centre, width and height of pygame's window, if it has one."""
         surface = self._pygame.display.get_surface()
-        return surface and (surface.width / 2, surface.height / 2, surface.width, surface.height)
+        if surface is None:
+            return None
+        width, height = surface.get_size()
+        return width / 2, height / 2, width, height
 
     def key(self, name: str, down: bool) -> None:
-        """Post the event of a key with a name of the browser's, if pygame has that key."""
-        pygame, keys = self._pygame, self._keys
-        with suppress(ValueError):
-            code = pygame.key.key_code(_KEY_NAMES.get(name, name.removeprefix("Arrow")))
-            keys[code] = down
-            mods = pygame.KMOD_SHIFT * keys[pygame.K_LSHIFT] | pygame.KMOD_CTRL * keys[pygame.K_LCTRL]
-            pygame.key.set_mods(mods)
-            kind, text = pygame.KEYDOWN if down else pygame.KEYUP, name if len(name) == 1 else ""
-            pygame.event.post(pygame.event.Event(kind, key=code, mod=mods, unicode=text, scancode=0))
+        """Press or release a key with a name of the browser's, if pygame has that key."""
+        code = self._code(name)
+        if code is None:
+            return
+        self._keys[code] = down
+        kind = "KEYDOWN" if down else "KEYUP"
+        text = name if len(name) == 1 else ""
+        self._post(kind, key=code, mod=self._mods(), unicode=text, scancode=0)
 
-    def pointer(self, x: float, y: float, kind: str) -> None:
-        """Post the event of the pointer at a pixel of pygame's window: "down", "up" or "move"."""
-        event, before, self._place = self._pygame.event, self._place, (round(x), round(y))
-        self._button = kind == "down" or (kind == "move" and self._button)
-        moved = self._place[0] - before[0], self._place[1] - before[1]
-        name = {"down": "MOUSEBUTTONDOWN", "up": "MOUSEBUTTONUP", "move": "MOUSEMOTION"}[kind]
-        buttons = int(self._button), 0, 0
-        # Each event has the attributes of all three.
-        values = {"pos": self._place, "rel": moved, "button": 1, "buttons": buttons}
-        event.post(event.Event(getattr(self._pygame, name), values))
+    def pointer(self, x: float, y: float, kind: str, button: int) -> None:
+        """Move the pointer to a pixel of the window; a button goes "down" or "up", or none: "move"."""
+        before, self._place = self._place, (round(x), round(y))
+        if self._place != before:
+            moved = self._place[0] - before[0], self._place[1] - before[1]
+            buttons = tuple(map(int, self._buttons))
+            self._post("MOUSEMOTION", pos=self._place, rel=moved, buttons=buttons, touch=False)
+        if kind != "move":
+            self._buttons[button - 1] = kind == "down"
+            self._click(kind, button)
+
+    def wheel(self, right: float, up: float) -> None:
+        """Turn the wheel by notches: as in pygame itself, whole ones, also as buttons 4 and 5."""
+        self._right += right
+        self._up += up
+        x, y = math.trunc(self._right), math.trunc(self._up)
+        if x == y == 0:
+            return
+        for _ in range(abs(y)):
+            for kind in ("down", "up"):
+                self._click(kind, 4 if y > 0 else 5)
+        turned = {"x": x, "y": y, "precise_x": self._right, "precise_y": self._up}
+        self._post("MOUSEWHEEL", **turned, flipped=False, which=0, touch=False)
+        self._right -= x
+        self._up -= y
+
+    def _click(self, kind: str, button: int) -> None:
+        self._post(f"MOUSEBUTTON{kind.upper()}", pos=self._place, button=button, touch=False)
+
+    def _post(self, kind: str, **values: object) -> None:
+        """Post an event; without a window, or when its queue is full, pygame takes none."""
+        pygame = self._pygame
+        with suppress(pygame.error):
+            pygame.event.post(pygame.event.Event(getattr(pygame, kind), values))
+
+    def _code(self, name: str) -> int | None:
+        """Return pygame's number of a key, which is that of the character if it has one."""
+        if len(name) == 1:
+            return ord(name.lower()[0])
+        name = _KEY_NAMES.get(name, name.removeprefix("Arrow").upper())
+        code: int | None = getattr(self._pygame, f"K_{name}", None)
+        return code
+
+    def _mods(self) -> int:
+        """Return the modifier keys that are down."""
+        pygame = self._pygame
+        names = [name for name in _MODIFIERS if self._keys[getattr(pygame, f"K_{name}")]]
+        return sum(getattr(pygame, f"KMOD_{name}") for name in names)
+
+    def _moved(self) -> tuple[int, int]:
+        """Return how far the pointer has moved since the last call."""
+        before, self._place_before = self._place_before, self._place
+        return self._place[0] - before[0], self._place[1] - before[1]
+
+    def _pressed(self, num_buttons: int = 3, desktop: bool = False) -> tuple[bool, ...]:
+        """Return which buttons are down, of three or five."""
+        return (*self._buttons, False, False)[:num_buttons]

@@ -134,6 +134,11 @@ class DragonScene(Scene):
         found = joint_at(self.joints(), x, y, slip)
         self.world.cut([pivot is found for pivot in self.world.pivots].index(True))
 
+    def shapes(self) -> list[pymunk.Shape]:
+        """Return the shapes of the benches: where two overlap, the page points at the one of the lower number."""
+        self.space.debug_draw(self._recorder)
+        return [*reversed(self.world.shapes)]
+
     def joints(self) -> list[pymunk.Constraint]:
         """Return the joints between benches that were not cut; those of guide and motor are not shown."""
         return [pivot for pivot in self.world.pivots if pivot.max_force > 0]

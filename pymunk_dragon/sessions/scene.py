@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 import pymunk
 
-from pymunk_dragon._arguments import Array, positive, word
+from pymunk_dragon._arguments import Array, finite, positive, whole, word
 from pymunk_dragon.drawing.canvas import in_binary, packed
 from pymunk_dragon.drawing.debug_draw import DrawRecorder, area
 from pymunk_dragon.errors import DragonError, ParameterError
-from pymunk_dragon.physics.readings import Readings, body_at, energies, joint_at, joint_rows
+from pymunk_dragon.physics.readings import Readings, body_at, energies, grip, joint_at, joint_rows
 from pymunk_dragon.sessions.controls import Button, Key, PygameEvents, Slider
 
 # Largest acceleration by a hand, in m/s^2, as in Box2D's testbed; in scenes larger than this size, more.
@@ -22,6 +22,8 @@ _HAND_ACCELERATION, _HAND_SIZE = 1000.0, 10.0
 # Share of the distance to the pointer that is left after a second, as in Pymunk's examples.
 _HAND_BIAS = (1 - 0.15) ** 60
 _OBSTACLE_FRICTION = 0.4
+# Largest turn of the wheel in a message, more than a hand makes between two pictures.
+_MOST_NOTCHES = 100.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -122,18 +124,29 @@ class Scene:
         if action := getattr(control, "action" if down else "up", None):
             action(self.space)
 
-    def pointer(self, x: float, y: float, kind: str) -> None:
+    def pointer(self, x: float, y: float, kind: str, button: int = 1) -> None:
         """Hand the pointer on to a pygame program, whose window has its origin at the upper left."""
         kind = word("kind", kind, ("down", "move", "up"))
+        button = whole("button", button, 1, 3)
+        down = y if self.play.y_down else self.field["size"][1] - y
+        self._program().pointer(x, down, kind, button)
+
+    def wheel(self, right: float, up: float) -> None:
+        """Hand a turn of the wheel on to a pygame program: notches to the right, and up."""
+        right = finite("right", right, -_MOST_NOTCHES, _MOST_NOTCHES, "notches")
+        up = finite("up", up, -_MOST_NOTCHES, _MOST_NOTCHES, "notches")
+        self._program().wheel(right, up)
+
+    def _program(self) -> PygameEvents:
         if self.pygame is None:
-            raise ParameterError("pointer", kind, "sent to a program with PygameEvents")
-        self.pygame.pointer(x, y if self.play.y_down else self.field["size"][1] - y, kind)
+            raise ParameterError("pointer", None, "sent to a program with PygameEvents")
+        return self.pygame
 
     def grab(self, x: float, y: float, slip: float) -> None:
-        """Hold the nearest body that can move and has a point within `slip` of a point of the world."""
+        """Hold the body that is drawn on top at a point of the world, or the nearest within `slip`."""
         self.drop()
         self._hand.position = x, y
-        body, point = body_at(self.space, x, y, slip)
+        body, point = body_at(self.shapes(), x, y, slip)
         held = self._held = pymunk.PivotJoint(self._hand, body, (0, 0), body.world_to_local(point))
         held.max_force = _HAND_ACCELERATION * max(1.0, max(self.field["size"]) / _HAND_SIZE) * body.mass
         held.error_bias = _HAND_BIAS
@@ -158,6 +171,11 @@ class Scene:
             keeper = pymunk.RotaryLimitJoint(joint.a, joint.b, -math.inf, math.inf)
             keeper.collide_bodies, keeper.max_force = False, 0.0
             self.space.add(keeper)
+
+    def shapes(self) -> list[pymunk.Shape]:
+        """Return the shapes in the order in which the page draws them."""
+        self.space.debug_draw(self._recorder)
+        return [call.shape for call in self._recorder.calls if call.shape is not None]
 
     def joints(self) -> list[pymunk.Constraint]:
         """Return the joints of the space that have forces, without that of the hand."""
@@ -212,6 +230,6 @@ class Scene:
     def _parts(self) -> tuple[dict[str, Any], dict[str, Array]]:
         """Return parts of the header and arrays of a frame."""
         self.space.debug_draw(self._recorder)
-        calls, colours = packed(self._recorder.calls)
+        calls, colours = packed(self._recorder.calls, grip)
         joints = joint_rows(self.joints(), self.step_length)
         return {"colours": colours}, {"calls": calls, "joints": joints, "contacts": self._readings.contacts()}

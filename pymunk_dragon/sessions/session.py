@@ -22,12 +22,14 @@ from pymunk_dragon.drawing.canvas import without_nan
 from pymunk_dragon.errors import DragonError, FileFormatError, ParameterError
 from pymunk_dragon.physics.callbacks import callbacks_raise
 from pymunk_dragon.sessions.dragon import DragonScene
+from pymunk_dragon.sessions.holds import Holds
 from pymunk_dragon.sessions.ready import SCENES, Ready, planned, ready
 
 # What was done to a scene since it was built, as it is written as JSON: `inputs` with the number of steps before each.
 Log = dict[str, Any]
+_Answer = Callable[[Any], object]
 # Inputs are actions of scenes, which are recorded; all other actions change no motion.
-_INPUTS = "set contacts grab drag drop release hold cut obstacle remove press pointer"
+_INPUTS = "set contacts grab drag drop release hold cut obstacle remove press pointer wheel"
 _HINTS = {name: get_type_hints(getattr(DragonScene, name)) for name in _INPUTS.split()}
 INPUTS = {name: {key: kind for key, kind in hints.items() if key != "return"} for name, hints in _HINTS.items()}
 _PING: dict[str, dict[str, type]] = {"ping": {"id": int}}
@@ -59,8 +61,7 @@ class Session:
         # Pages: `tell` sends a text, `show` a frame, `stop` ends one, and `controls` is whether it may change anything.
         self.clients: tuple[Any, ...] = ()
         self._sharing = threading.Lock()
-        # The client whose hand holds a body.
-        self._holder: object = None
+        self._holds = Holds()
         self.running, self.speed, self.generation, self._single_steps = running, 1.0, 0, 0
         # What is to be done between two steps, by keys.
         self._queue: dict[object, Callable[[], object]] = {}
@@ -114,11 +115,10 @@ class Session:
             client.stop()
 
     def leave(self, client: Any) -> None:
-        """Forget a client, and drop the body that it holds."""
+        """Forget a client, and let go of what it holds."""
         with self._sharing:
             self.clients = tuple(each for each in self.clients if each is not client)
-        if self._holder is client:
-            self.post({"do": "drop"})
+        self.call(partial(self._let_go, client))
 
     def receive(self, client: Any, text: str) -> None:
         """Take a text of a client, which gets an answer if it is not carried out."""
@@ -132,14 +132,12 @@ class Session:
         except (ValueError, RecursionError) as error:
             client.tell({"kind": "error", "text": str(error)})
             return
-        # One hand: a client that grabs another body takes the hand over.
-        self._holder = {"grab": client, "drop": None}.get(message["do"], self._holder)
-        self.post(message, client.tell)
+        self.post(message, client.tell, client)
 
-    def post(self, message: dict[str, Any], answer: Callable[[Any], object] = lambda error: None) -> None:
+    def post(self, message: dict[str, Any], answer: _Answer = lambda error: None, client: object = None) -> None:
         """Have a message take effect before the next step; `answer` is called with the error if it cannot."""
         key = (message["do"], message.get("name")) if message["do"] in _REPLACED else None
-        self.call(partial(self._take, message, answer), key)
+        self.call(partial(self._take, message, answer, client), key)
 
     def call(self, action: Callable[[], object], key: object = None) -> None:
         """Have something done in the session's thread, between two steps, in place of what waits with the same key."""
@@ -287,7 +285,11 @@ class Session:
         self._description = without_nan(session | about | self.scene.to_dict())
         self.tell(self._description)
 
-    def _take(self, message: dict[str, Any], answer: Callable[[Any], object]) -> None:
+    def _let_go(self, client: object) -> None:
+        for message in self._holds.leave(client):
+            self._take(message, lambda error: None)
+
+    def _take(self, message: dict[str, Any], answer: _Answer, client: object = None) -> None:
         with self._watched(answer):
             if message["do"] in INPUTS and (self._replay is not None or len(self.inputs) >= _MAX_INPUTS):
                 raise ParameterError("message", message["do"], f"sent after a replay, and one of {_MAX_INPUTS} inputs")
@@ -310,7 +312,9 @@ class Session:
                 case {"do": "reset"}:
                     self._build(self.source, self.values)
                 case _:
-                    self._apply(message)
+                    if self._holds.allows(client, message):
+                        self._apply(message)
+                    self._holds.note(client, message)
 
     def _apply(self, message: dict[str, Any]) -> None:
         """Change the scene, and record the input."""

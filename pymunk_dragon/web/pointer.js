@@ -4,6 +4,12 @@ const TAP_SLIP = 6; // pixels: largest movement during a tap
 const WHEEL_ZOOM = 0.0016; // exponent of the zoom per pixel of the wheel
 const WHEEL_LINE = 16; // pixels: a line of wheels that count lines
 
+// Position of an event on the canvas.
+function pixelOf(canvas, { clientX, clientY }) {
+  const { left, top } = canvas.getBoundingClientRect();
+  return [clientX - left, clientY - top];
+}
+
 // `taken` returns whether a pointer that goes down takes hold of something; its movements are then `carried` instead of
 // panning the view, until it is `dropped`.
 function listenToPointers(canvas, view, { moved, hovered, tapped, taken = () => false, carried, dropped }) {
@@ -13,10 +19,7 @@ function listenToPointers(canvas, view, { moved, hovered, tapped, taken = () => 
     if (holds) dropped();
     holds = false;
   };
-  const position = (event) => {
-    const box = canvas.getBoundingClientRect();
-    return [event.clientX - box.left, event.clientY - box.top];
-  };
+  const position = (event) => pixelOf(canvas, event);
   const spread = ([a, b]) => Math.hypot(a[0] - b[0], a[1] - b[1]);
   const middle = ([a, b]) => [(a[0] + b[0]) / 2, (a[1] + b[1]) / 2];
 
@@ -71,9 +74,8 @@ function listenToWheel(canvas, view, moved) {
   canvas.addEventListener("wheel", (event) => {
     event.preventDefault();
     const delta = event.deltaY * (event.deltaMode === WheelEvent.DOM_DELTA_LINE ? WHEEL_LINE : 1);
-    const { left, top } = canvas.getBoundingClientRect();
     // Browsers report pinching on a touchpad as wheel events with Ctrl, in small steps.
-    view.zoom(Math.exp(-delta * WHEEL_ZOOM * (event.ctrlKey ? 5 : 1)), event.clientX - left, event.clientY - top);
+    view.zoom(Math.exp(-delta * WHEEL_ZOOM * (event.ctrlKey ? 5 : 1)), ...pixelOf(canvas, event));
     moved("zoom");
   }, { passive: false });
 }

@@ -3,6 +3,7 @@
 const PAN_STEP = 1 / 8; // fraction of its size by which the view moves
 const ZOOM_STEP = 1.4; // times
 const REPEATED = /^(arrow.*|[-+=wasd])$/; // keys that act again while they are held
+const MODIFIERS = /^(control|meta|alt)$/;
 
 // Pages add `tick`, which draws, `afterChange`, which is called after a change, and `playing`.
 class Stage {
@@ -112,8 +113,10 @@ function listenToKeys(actions, takes = () => false) {
   document.addEventListener("pointerdown", () => { tabbed = false; }, true);
   document.addEventListener("keydown", (event) => {
     if (event.key === "Tab") tabbed = true;
-    if (event.ctrlKey || event.metaKey || event.altKey || element("about").open || takes(event)) return;
     const key = event.key.toLowerCase();
+    // With one of these keys another is the browser's.
+    const isOwn = !(event.ctrlKey || event.metaKey || event.altKey) || MODIFIERS.test(key);
+    if (!isOwn || element("about").open || takes(event)) return;
     if (!actions[key] || keepsKey(event.target, key, tabbed)) return;
     event.preventDefault();
     if (!event.repeat || REPEATED.test(key)) actions[key](event);

@@ -114,7 +114,8 @@ function decodeFrame(buffer) {
   return frame;
 }
 
-// What Pymunk draws, as objects: kind, points, radius, angle, colours, and whether the body is dynamic.
+// What Pymunk draws, as objects: kind, points, radius, angle, colours, and the grip of a hand: 2 if it
+// can hold the body, 1 where it finds nothing else (a body of sensors only), 0 if it cannot.
 function callsOf({ calls, colours = [] }) {
   const texts = colours.map(([r, g, b, a]) => `rgba(${r}, ${g}, ${b}, ${a / 255})`);
   const found = [];
@@ -123,7 +124,7 @@ function callsOf({ calls, colours = [] }) {
     for (let p = k + CALL_HEAD; p < k + CALL_HEAD + 2 * count; p += 2) points.push([calls[p], calls[p + 1]]);
     found.push({
       kind: KINDS[calls[k]], points, radius: calls[k + 2], angle: calls[k + 3],
-      fill: texts[calls[k + 4]], outline: texts[calls[k + 5]], moves: calls[k + 6] === 1,
+      fill: texts[calls[k + 4]], outline: texts[calls[k + 5]], grip: calls[k + 6],
       opaque: colours[calls[k + 4]][3] >= 255,
     });
     k += CALL_HEAD + 2 * count;

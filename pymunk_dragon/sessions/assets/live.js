@@ -23,7 +23,7 @@ class Live extends Stage {
     this.tools = new Tools(this);
     this.recorder = new Recorder(this);
     this.drawn = 0;
-    this.pressed = new Set(); // keys of the scene that are down
+    this.pressed = new Map(); // keys of the scene that are down: codes, and the names that were sent
     this.announce = throttled((text) => setText("announcement", text), ANNOUNCE_EVERY);
     this.connection = new Connection({
       received: (message) => this.receive(message),
@@ -136,7 +136,11 @@ class Live extends Stage {
 
   showConnection(open) {
     element("lost").hidden = open;
-    if (!open) this.tools.drop();
+    if (!open) {
+      this.tools.drop();
+      // The server has released them.
+      this.pressed.clear();
+    }
     showAccess(this);
   }
 

@@ -1,6 +1,8 @@
 // Buttons, fields and keys of the live page.
 
 const WIDE = "(min-width: 44.01rem) and (min-height: 36.01rem)"; // room for all parts of the panel at once
+const NOTCH_PIXELS = 100; // a notch of the wheel in most browsers
+const NOTCH_LINES = 3; // the same where it counts lines
 
 function connect(live) {
   const { tools } = live;
@@ -11,7 +13,6 @@ function connect(live) {
     pointers: {
       hovered(pixel) {
         live.pixel = pixel;
-        if (pixel) tools.point(pixel);
         live.requestDraw();
       },
       tapped: (pixel, kind) => live.frame && tools.tap(pixel, kind),
@@ -21,11 +22,11 @@ function connect(live) {
     },
     takes: (event) => takesKey(live, event),
   });
+  listenForProgram(live);
+  listenForLeaving(live);
   element("save").href = `inputs${location.search}`;
   for (const kind of ["focus", "blur"]) element("field").addEventListener(kind, () => live.requestDraw());
   document.body.classList.toggle("framed", STAGE !== null);
-  // The release of a key is not heard when another window has the focus.
-  addEventListener("blur", () => live.pressed.forEach((name) => pressKey(live, name, false)));
   addEventListener("hashchange", () => live.setLanguage(chosenLanguage()));
   const opens = STAGE !== null || matchMedia(WIDE).matches;
   for (const part of document.querySelectorAll(".panel details")) part.open = opens;
@@ -53,19 +54,70 @@ function connectFields(live) {
   element("obstacle-size").addEventListener("input", () => tools.showSize());
 }
 
-// Send a key of the scene's own; it does nothing else.
+// A mouse or a pen with all its buttons, and the wheel, while they belong to a program. A finger is
+// its left button, and two move and zoom the view, as does the wheel with Ctrl.
+function listenForProgram(live) {
+  const canvas = element("field"), { tools } = live;
+  const passed = (event) => {
+    if (event.pointerType === "touch" || !tools.isProgram || !live.frame) return;
+    live.pixel = pixelOf(canvas, event);
+    if (event.type === "pointerdown") canvas.setPointerCapture(event.pointerId);
+    tools.press(live.pixel, event.type === "pointercancel" ? 0 : event.buttons);
+    // What began before the program had the pointer ends.
+    const begins = event.type === "pointerdown" || event.type === "pointermove";
+    if (begins) event.stopImmediatePropagation();
+  };
+  for (const kind of ["down", "move", "up", "cancel"]) {
+    canvas.addEventListener(`pointer${kind}`, passed, true);
+  }
+  canvas.addEventListener("wheel", (event) => {
+    if (!tools.isProgram || event.ctrlKey) return;
+    event.preventDefault();
+    event.stopImmediatePropagation();
+    const notch = event.deltaMode === WheelEvent.DOM_DELTA_LINE ? NOTCH_LINES : NOTCH_PIXELS;
+    tools.turn(event.deltaX / notch, -event.deltaY / notch);
+  }, { capture: true, passive: false });
+  // The middle button would scroll.
+  canvas.addEventListener("mousedown", (event) => tools.isProgram && event.button === 1 && event.preventDefault());
+  canvas.addEventListener("contextmenu", (event) => tools.isProgram && event.preventDefault());
+}
+
+// Nothing stays held where its release would not be heard: in another window, tab or field.
+function listenForLeaving(live) {
+  const canvas = element("field");
+  const letGo = () => {
+    releaseKeys(live);
+    live.tools.drop();
+  };
+  addEventListener("blur", letGo);
+  document.addEventListener("visibilitychange", () => document.hidden && letGo());
+  canvas.addEventListener("blur", () => releaseKeys(live));
+  document.addEventListener("focusin", ({ target }) => target !== canvas && releaseKeys(live));
+}
+
+// Send a key of the scene's own; it does nothing else. What is released is the key that went down:
+// its name changes with the shift key.
 function takesKey(live, event) {
+  const { pressed } = live, code = event.code || event.key;
+  if (event.type === "keyup") {
+    if (!pressed.has(code)) return false;
+    live.send({ do: "press", name: pressed.get(code), down: false });
+    pressed.delete(code);
+    return true;
+  }
   const keys = live.scene?.keys ?? [];
   const all = keys.includes("*") && !event.target.closest("input, select");
   if (!(keys.includes(event.key) || all) || !live.controls) return false;
   event.preventDefault();
-  if (!event.repeat) pressKey(live, event.key, event.type === "keydown");
+  if (event.repeat || pressed.has(code)) return true;
+  live.send({ do: "press", name: event.key, down: true });
+  pressed.set(code, event.key);
   return true;
 }
 
-function pressKey(live, name, down) {
-  live.send({ do: "press", name, down });
-  live.pressed[down ? "add" : "delete"](name);
+function releaseKeys(live) {
+  for (const name of live.pressed.values()) live.send({ do: "press", name, down: false });
+  live.pressed.clear();
 }
 
 // ---- the start, and what tests read

@@ -41,14 +41,18 @@ class Model {
     return `${numberText(force)} ${this.forceUnit}`;
   }
 
-  // The movable body within `slip` of a point: a bench or a drawn shape, and its point closest to that point; or null.
+  // What a hand takes at a point, as the server does: a bench, or the shape with the best grip that is
+  // drawn last there, or else the nearest within `slip`; and its point closest to that point. Null if
+  // there is none.
   bodyAt(point, slip, { calls }, poses) {
     if (this.benches) {
       const benches = new Benches(this, poses), bench = benches.at(point, slip);
       return bench === null ? null : { bench, ...benches.nearestPoint(bench, point) };
     }
-    const near = calls.filter(({ moves }) => moves).map((call) => ({ call, ...nearestOnShape(call, point) }));
-    return nearestWithin(slip, near, ({ distance }) => distance);
+    const near = calls.filter(({ grip }) => grip > 0).map((call) => ({ call, ...nearestOnShape(call, point) }))
+      .filter(({ distance }) => distance <= slip).reverse();
+    const best = Math.max(...near.map(({ call }) => call.grip));
+    return nearestWithin(slip, near.filter(({ call }) => call.grip === best), ({ distance }) => distance);
   }
 
   // The joints of a frame: number, two ends and force. Those of a dragon are the holes that two benches share.

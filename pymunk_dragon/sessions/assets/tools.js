@@ -4,7 +4,9 @@ const JOINT_SLIP = 15; // pixels: largest distance of a click from the joint tha
 const BODY_SLIP = 12; // pixels: largest distance of a touch from the body that it takes
 const MOUSE_SLIP = 3; // pixels: the same for a mouse
 const GRAB_SLIP = 10; // pixels: the same for the server, where the body may have moved on
+const MOST_NOTCHES = 100; // of the wheel, in a message
 const DRAG_DIGITS = 6; // significant digits of where the hand is: inputs are kept in little memory
+const BUTTONS = [[1, 1], [4, 2], [2, 3]]; // bits of `PointerEvent.buttons`, and pygame's numbers of the buttons
 const TOOLS = ["drag", "cut", "round", "square", "release", "program"];
 const ABILITY_OF_TOOL = { program: "pointer", cut: "cut", round: "obstacles", square: "obstacles", release: "dancers" };
 const OBSTACLES = { low: 0.005, usual: 0.04, high: 0.25 }; // sizes as parts of the field's shorter side
@@ -14,6 +16,9 @@ class Tools {
     this.live = live;
     this.chosen = "drag";
     this.carried = null; // position of the pointer that holds a body
+    this.buttons = 0; // those that the program knows to be down, as in `PointerEvent.buttons`
+    this.place = null; // where the program's pointer is
+    this.turned = null; // notches of the wheel, to the right and up, that the program was not sent yet
   }
 
   // A rebuilt scene keeps the size of obstacles.
@@ -60,9 +65,9 @@ class Tools {
   // Take hold of the body at a pixel; returns whether there is one.
   take(pixel, kind) {
     const { live } = this;
-    if (this.chosen === "program" && live.controls) {
+    if (this.isProgram) {
       this.carried = pixel;
-      this.sendPointer(pixel, "down");
+      this.press(pixel, 1);
       return true;
     }
     if (this.chosen !== "drag" || !live.controls) return false;
@@ -78,39 +83,68 @@ class Tools {
     return true;
   }
 
-  // The program gets where the pointer is; once in each picture.
-  point(pixel) {
-    if (this.chosen === "program" && this.live.controls) this.pointed = pixel;
-  }
-
-  sendPointer(pixel, kind) {
-    const [x, y] = this.live.view.toWorld(...pixel).map((value) => Number(value.toPrecision(DRAG_DIGITS)));
-    this.live.send({ do: "pointer", x, y, kind });
-  }
-
   carry(pixel) {
+    if (!this.carried) return;
     this.carried = pixel;
-    this.point(pixel);
+    if (this.isProgram) this.press(pixel, this.buttons);
     this.live.requestDraw();
   }
 
   drop() {
+    if (this.buttons) this.press(this.place, 0);
     if (!this.carried) return;
-    if (this.chosen === "program") this.sendPointer(this.carried, "up");
-    else this.live.send({ do: "drop" });
+    if (this.chosen !== "program") this.live.send({ do: "drop" });
     this.carried = null;
     this.live.requestDraw();
   }
 
   // Send where the held body is to go; once in each picture.
   flush() {
-    if (this.pointed) this.sendPointer(this.pointed, "move");
-    this.pointed = null;
+    this.flushProgram();
     if (!this.carried || this.chosen === "program") return;
     const [x, y] = this.live.view.toWorld(...this.carried).map((value) => Number(value.toPrecision(DRAG_DIGITS)));
     if (this.sent && this.sent[0] === x && this.sent[1] === y) return;
     this.sent = [x, y];
     this.live.send({ do: "drag", x, y });
+  }
+
+  // ---- pointer and wheel of a program
+
+  // Whether they belong to the program now.
+  get isProgram() {
+    return this.chosen === "program" && this.live.controls;
+  }
+
+  // The pointer is at a pixel with these buttons down. The program gets buttons at once, and places in each picture.
+  press(pixel, buttons) {
+    for (const [bit, button] of BUTTONS) {
+      const down = (buttons & bit) > 0;
+      if (down !== (this.buttons & bit) > 0) this.sendPointer(pixel, down ? "down" : "up", button);
+    }
+    this.buttons = buttons;
+    this.place = this.pointed = pixel;
+    this.live.requestDraw();
+  }
+
+  sendPointer(pixel, kind, button) {
+    const [x, y] = this.live.view.toWorld(...pixel).map((value) => Number(value.toPrecision(DRAG_DIGITS)));
+    this.live.send({ do: "pointer", x, y, kind, button });
+  }
+
+  // The wheel is turned by notches to the right, and up.
+  turn(right, up) {
+    const [before, above] = this.turned ?? [0, 0];
+    this.turned = [before + right, above + up];
+    this.live.requestDraw();
+  }
+
+  flushProgram() {
+    if (this.pointed) this.sendPointer(this.pointed, "move", 1);
+    if (this.turned) {
+      const [right, up] = this.turned.map((notches) => bounded(notches, -MOST_NOTCHES, MOST_NOTCHES));
+      this.live.send({ do: "wheel", right, up });
+    }
+    this.pointed = this.turned = null;
   }
 
   // What the line of the hand joins: the server says where it holds the body.

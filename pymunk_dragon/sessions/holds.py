@@ -1,0 +1,85 @@
+"""What clients hold: a body, keys, and buttons of the pointer; who leaves lets go of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+Message = dict[str, Any]
+_Thing = tuple[object, ...]
+
+_HAND = ("hand",)
+
+
+@dataclass
+class _Hold:
+    """What a client holds, and the message that lets go of it."""
+
+    client: object
+    thing: _Thing
+    release: Message
+
+
+class Holds:
+    """What each client holds, noted as its messages take effect."""
+
+    def __init__(self) -> None:
+        self._all: list[_Hold] = []
+
+    def allows(self, client: object, message: Message) -> bool:
+        """Whether a message takes effect: what two hold is released when the second lets go."""
+        thing, release = _taken(message)
+        if thing is None or release is not None:
+            return True
+        holders = self._holders(thing)
+        return len(holders) < 2 or not _has(holders, client)
+
+    def note(self, client: object, message: Message) -> None:
+        """Note what a message of a client takes hold of, or lets go of."""
+        if message["do"] == "pointer":
+            self._move(client, message)
+        thing, release = _taken(message)
+        if thing is None:
+            return
+
+        # There is one hand: a client that grabs another body takes it over.
+        shared = thing != _HAND and (release is not None or _has(self._holders(thing), client))
+        others = [each for each in self._all if each.thing != thing]
+        if shared:
+            others += [each for each in self._all if each.thing == thing and each.client is not client]
+        self._all = others
+        if release is not None:
+            self._all.append(_Hold(client, thing, release))
+
+    def leave(self, client: object) -> list[Message]:
+        """Forget a client; return the messages that let go of what nobody else holds."""
+        gone = [each for each in self._all if each.client is client]
+        self._all = [each for each in self._all if each.client is not client]
+        return [each.release for each in gone if not self._holders(each.thing)]
+
+    def _holders(self, thing: _Thing) -> list[object]:
+        return [each.client for each in self._all if each.thing == thing]
+
+    def _move(self, client: object, message: Message) -> None:
+        """Have buttons released where the pointer was last."""
+        for each in self._all:
+            if each.client is client and each.release["do"] == "pointer":
+                each.release |= {"x": message["x"], "y": message["y"]}
+
+
+def _has(clients: list[object], client: object) -> bool:
+    return any(each is client for each in clients)
+
+
+def _taken(message: Message) -> tuple[_Thing | None, Message | None]:
+    """Return what a message takes or lets go, if it does; and the message that lets go if it takes."""
+    match message:
+        case {"do": "grab"}:
+            return _HAND, {"do": "drop"}
+        case {"do": "drop"}:
+            return _HAND, None
+        case {"do": "press", "name": name, "down": down}:
+            return ("key", name), message | {"down": False} if down else None
+        case {"do": "pointer", "kind": "down" | "up" as kind, "button": button}:
+            return ("button", button), message | {"kind": "up"} if kind == "down" else None
+    return None, None
