@@ -61,7 +61,7 @@ In the order of their effect:
   into growing oscillations, unless ground drag is faster. With dancers who make up for it, any drag from 5 to 20 a
   second gives a drift of 24 to 34 µm.
 - **Warm start.** The solver starts each step with the impulses of the step before. Before the first step they are
-  those in balance, which elimination finds in a time that grows with the number of benches (0.13 s for 1,000).
+  those in balance, which elimination finds in a time that grows with the number of benches (0.07 s for 1,000).
 
 ## After the first contact
 
