@@ -63,7 +63,7 @@ same = True
 for name, forces in (("joint", joint_forces()), ("contact", contact_forces())):
     chosen = *forces[4:7], *forces[-2:]
     seen = [round(force, 2) for force in chosen]
-    print(f"{name}: {seen[0]} N in steps of 10 ms, {seen[1]}, then {seen[2]} N in the next of 5 ms,")
+    print(f"{name}: {seen[0]} N in steps of 10 ms, {seen[1]} then {seen[2]} N in the next of 5 ms,")
     print(f"    {seen[3]} and {seen[4]} N where both come in turns")
     same = same and seen == [10.0, 20.0, 10.0, 3.33, 13.33]
 sys.exit(0 if same else "this is no longer what was found")

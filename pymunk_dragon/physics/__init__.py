@@ -53,10 +53,11 @@ In the order of their effect:
   velocity: the Adams-Bashforth method, from nothing but the engine's own velocities. After the step it corrects them
   by the velocities that the step has found, the Adams-Moulton method, whose error in a step is a fifth of that. Where
   the curvature jumps, in the turn of question 4, this leaves 133 µm of a drift of 352 µm.
-- **Rails after pivots.** The solver takes the joints in the order in which they were added. A rail that comes after both
-  pivots of its bench leaves 28 µm after ten iterations (from 400 s on), one between the two 62 µm, and one before both
-  92 µm; the pivots among themselves may stand in any order (28 to 30 µm). Where contact forces load the joints, a rail
-  between the two pivots is better: in the pile below the gaps are 0.032 mm, and 0.039 mm with all rails last.
+- **Rails after pivots.** The solver takes the joints in the order in which they were added. With ten iterations, from
+  400 s on, rails after both pivots of their benches leave a drift of 28 µm, rails between the two 62 µm, and rails
+  before both 92 µm; the pivots among themselves may stand in any order (28 to 30 µm). Where contact forces load the
+  joints, rails between the two pivots are better: in the pile below the largest gap is 0.032 mm, with all rails last
+  0.039 mm.
 - **Drag.** Pymunk corrects joint errors with ordinary velocity. A chain whose solver has not converged turns that
   into growing oscillations, unless ground drag is faster. With dancers who make up for it, any drag from 5 to 20 a
   second gives a drift of 24 to 34 µm.
