@@ -524,6 +524,14 @@ def test_nearest_point_of_a_query_on_the_edge_of_a_polygon_is_nan():
     assert beside.point == (1, 0)
 
 
+def test_query_with_a_radius_has_a_point_on_the_surface_and_the_share_of_the_way_of_the_centre():
+    space = pymunk.Space()
+    space.add(pymunk.Segment(space.static_body, (0, -1), (0, 1), 0.05))
+    hit = space.segment_query_first((-1, 0), (1, 0), 0.1, pymunk.ShapeFilter())
+    assert hit.point.x == pytest.approx(-0.05)
+    assert -1 + 2 * hit.alpha == pytest.approx(-0.05 - 0.1)
+
+
 def test_shapes_follow_a_body_that_was_moved_in_the_next_step_or_when_they_are_told_to():
     space = pymunk.Space()
     body = pymunk.Body(1, 1)
