@@ -99,7 +99,7 @@ frames[40]
 # - `begin`: the benches touch there, but nothing is computed yet, and it reads 0.
 # - `pre_solve`: it comes in the same step, but before the solver, as its name says.
 # - **`post_solve`**: in step 40 of the program 3.29 N s, and the bench that lay still leaves at 0.329 m/s.
-# - `separate`: only then the blow is over, but by then its impulse has been overwritten.
+# - `separate`: only then the blow is over, but Pymunk has emptied the contact by then: it reads 0.
 # ## Check
 # The impulse of 3.29 N s is what sets the bench in motion: divide it by 10 kg, and compare the speed.
 # ## Try
