@@ -500,6 +500,17 @@ def test_session_goes_on_after_an_error_in_each_function_of_the_users():
         assert on.step(3) == 3
 
 
+@pytest.mark.parametrize("result", [None, 3, [pymunk.Space()]], ids=lambda value: type(value).__name__)
+def test_function_that_builds_no_space_at_a_reset_is_named_and_the_old_scene_goes_on(result):
+    spaces = [falling(2), result, falling(3)]
+    with played(program(lambda: spaces.pop(0), Play())) as on:
+        assert_says(ValueError(on.do("reset")), "build")
+        assert on.step(3) == 3
+        assert len(on.scene.poses()) == 2
+        assert on.do("reset") is None
+        assert len(on.scene.poses()) == 3
+
+
 @pytest.mark.parametrize("watched", [False, True])
 def test_program_with_a_loop_of_its_own_gets_its_errors_and_goes_on(watched, capfd):
     space, called = falling(2), []

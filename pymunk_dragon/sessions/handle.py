@@ -71,7 +71,8 @@ class Live(AbstractContextManager["Live"]):
     def step(self, dt: float) -> None:
         """Make a step of `dt` s, in place of ``space.step(dt)``, in a program that makes the steps itself.
 
-        The program waits here until the step is due: in real time, or while the page has paused it.
+        The program waits here until the step is due: in real time, or while the page has paused it. An exception in a
+        callback is raised here, and does not pause the session; one in a chart or a control is shown on the page.
         """
         self._session.step(dt)
 
@@ -117,7 +118,8 @@ def live(
     """Step a march or any Pymunk space in real time, and show it in a browser, where it can be touched.
 
     Give a function that builds the space: it is called at the start and at each reset, which then repeats the run to
-    the bit. The session that is returned steps the space in a thread of its own. Change the space in `on_step`, in the
+    the bit. A space that is given gets back all that Pymunk lets a program change; where bodies touch, its run may then
+    differ. The session that is returned steps the space in a thread of its own. Change the space in `on_step`, in the
     actions of controls and in Pymunk's callbacks, or from other threads in `Live.paused`.
 
     Parameters

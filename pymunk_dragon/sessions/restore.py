@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 import math
 from collections.abc import Iterable, Sequence
+from functools import cache
 from typing import Any, get_args
 
 import pymunk
@@ -43,7 +44,7 @@ class FirstState:
         self._asleep = [body for body in self._added if body.is_sleeping]
 
         parts: list[Part] = [space, *self._bodies, *self._shapes, *self._arguments]
-        self._properties = {part: {name: getattr(part, name) for name in _settable(part)} for part in parts}
+        self._properties = {part: {name: getattr(part, name) for name in _settable(_kind(part))} for part in parts}
         # Attributes of the user's own.
         self._own = {part: _own_attributes(part) for part in self._properties}
         self._outlines = {shape: _outline(shape) for shape in self._shapes}
@@ -147,9 +148,10 @@ def _phases(handler: dict[str, Any]) -> dict[Phase, tuple[Any, Any]]:
     return {phase: (each, handler["_data"][phase]) for phase, each in functions.items() if each is not None}
 
 
-def _settable(part: Part) -> list[str]:
+@cache
+def _settable(kind: type) -> list[str]:
     """Return the names of the properties that Pymunk lets a user set, in the order in which they are to be set."""
-    found = inspect.getmembers(_kind(part), lambda member: isinstance(member, property) and member.fset is not None)
+    found = inspect.getmembers(kind, lambda member: isinstance(member, property) and member.fset is not None)
     names = [name for name, _ in found if not name.startswith("_")]
     return sorted(names, key=lambda name: _FIRST.index(name) if name in _FIRST else len(_FIRST))
 

@@ -197,7 +197,8 @@ class Session:
             with suppress(SystemExit):
                 self._run()
         finally:
-            self.stop()
+            if not self._ended.is_set():
+                self.stop()
             with self.held:
                 self._silence()
 
