@@ -10,7 +10,7 @@ import numpy as np
 import pymunk
 import pytest
 from conftest import assert_says
-from live_sessions import PATIENCE, greeting, listener, played, replayed
+from live_sessions import PATIENCE, greeting, listener, played, replay_session, replayed
 
 from pymunk_dragon import Button, DragonError, Key, ParameterError, Slider, live
 from pymunk_dragon.model.dragon import Dragon
@@ -82,9 +82,14 @@ def test_reset_after_a_replay_has_the_values_with_which_the_recording_began():
         on.do("set", name="drag", value=4.0)
         on.step(3)
         log = on.session.log()
-    _, session = replayed(log)
-    session._begin(session.source)
-    assert session.state()["values"]["benches"] == 9
+    session, _ = replay_session(log)
+    assert session.wait_for_replay() == 0
+    begun = threading.Event()
+    session.post({"do": "reset"})
+    session.call(begun.set)
+    assert begun.wait(PATIENCE)
+    session.stop()
+    assert (session.scene.steps, session.state()["values"]["benches"]) == (0, 9)
 
 
 def chain(links=20):
