@@ -302,6 +302,28 @@ def test_given_space_whose_separate_callback_removes_a_body_begins_anew_again_an
         assert on.errors == []
 
 
+@pytest.mark.parametrize("change", ["remove", "add"])
+def test_given_space_begins_anew_after_a_callback_removed_or_added_parts_twice(change):
+    space, acts = falling(), []
+    bodies = list(space.bodies)
+    parts = [*bodies[:3], *[shape for body in bodies[:3] for shape in body.shapes]]
+
+    def pre_solve(arbiter, space, data):
+        if acts:
+            getattr(space, change)(*parts)
+
+    space.on_collision(pre_solve=pre_solve)
+    with played(space) as on:
+        for _ in range(2):
+            acts.append(True)
+            assert on.step(20) < 20
+            acts.clear()
+            assert on.do("reset") is None
+            assert list(space.bodies) == bodies
+            assert on.step(20) == 20
+        assert len(on.errors) == 2
+
+
 def test_first_run_of_a_given_space_is_that_of_the_space_itself():
     first, second = falling(), falling()
     for _ in range(30):
