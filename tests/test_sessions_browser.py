@@ -242,6 +242,18 @@ def test_page_shows_keys_events_errors_and_charts_of_a_program(browser):
         page.wait_for_selector("#charts-own:has-text('动能')")
 
 
+def test_button_that_starts_again_says_in_both_languages_where_the_run_may_differ(browser):
+    titles = []
+    for what in (pymunk.Space, pymunk.Space()):
+        with shown(browser, source_of(what, Play())) as (_, page):
+            titles.append(page.get_attribute("#reset", "title"))
+            page.click("#language")
+            wait_until(page, "document.documentElement.lang === 'zh'")
+            titles.append(page.get_attribute("#reset", "title"))
+    assert len(set(titles)) == 4
+    assert all(title.isascii() == (number % 2 == 0) for number, title in enumerate(titles))
+
+
 def test_space_bar_pauses_after_a_click_on_a_switch_and_works_one_that_a_key_has_reached(browser):
     with shown(browser, "pendulum") as (session, page):
         page.click("label:has(#show-forces)")

@@ -8,12 +8,11 @@ import numpy as np
 import pymunk
 import pytest
 from conftest import assert_says
-from live_sessions import greeting, listener, played
+from live_sessions import greeting, played
 
 from pymunk_dragon import Button, DragonError, Key, ParameterError, Slider, live
 from pymunk_dragon.sessions.ready import program
 from pymunk_dragon.sessions.scene import Play
-from pymunk_dragon.sessions.session import Session
 
 
 def build(gravity=900.0, links=3):
@@ -68,7 +67,7 @@ def test_reset_of_a_function_that_builds_the_space_repeats_the_run_to_the_bit_wh
         assert len(counts) > 1
 
 
-def test_controls_reach_the_space_and_values_outlast_a_reset():
+def test_controls_reach_the_space_and_values_outlast_a_rebuild():
     pressed = []
     controls = [
         Slider("gravity", 0, 2000),
@@ -94,8 +93,6 @@ def test_controls_reach_the_space_and_values_outlast_a_reset():
         assert on.do("set", name="links", value=5.0) is None
         assert (len(on.scene.joints()), on.scene.space.gravity) == (5, (0, 450))
         assert (balls(on.scene.space)[0].mass, on.scene.space.iterations) == (7, 20)
-        assert on.do("reset") is None
-        assert (len(on.scene.joints()), on.session.state()["values"]["gravity"]) == (5, 450)
         assert_says(ValueError(on.do("set", name="links", value=2.5)), "links")
 
 
@@ -151,7 +148,7 @@ def test_exception_in_a_users_function_pauses_once_shows_its_line_and_the_sessio
             on.settle()
         [error] = [message for message in on.told if message["kind"] == "error"]
         if kind != "colour":
-            assert error["text"] == "ZeroDivisionError: division by zero"
+            assert error["text"].startswith("ZeroDivisionError: division by zero")
             assert error["place"].endswith("return 1 / 0")
             assert "in fail" in error["trace"]
         # Who connects later sees it too, until the scene begins anew.
@@ -199,19 +196,6 @@ def test_sliders_that_rebuild_are_all_taken_when_they_wait_together():
         on.settle()
         assert errors == []
         assert (len(on.scene.joints()), on.scene.space.gravity) == (6, (0, 100))
-
-
-def test_exception_in_a_callback_of_a_program_with_a_loop_of_its_own_pauses_it(capfd):
-    session = Session(program(build_failing, Play(step=None)))
-    told = []
-    session.join(listener(told))
-    assert not told[0]["resets"]
-    for _ in range(60):
-        session.post({"do": "play"})
-        session.step(1 / 60)
-    [error] = {message["place"] for message in told if message["kind"] == "error"}
-    assert error.endswith("return 1 / 0")
-    assert capfd.readouterr().err == ""
 
 
 def test_steps_and_charts_make_no_buffers_as_pymunk_never_frees_them(monkeypatch):

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import sys
 import webbrowser
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
+from dataclasses import replace
 from functools import cache, cached_property
 from html import escape
 from importlib.util import find_spec
@@ -21,6 +22,7 @@ from pymunk_dragon.player.page import catalogue, document
 from pymunk_dragon.reports._html import asset, embedded_json
 from pymunk_dragon.sessions.controls import Button, Key, PygameEvents, Slider
 from pymunk_dragon.sessions.ready import Ready, dragon, program, ready
+from pymunk_dragon.sessions.restore import FirstState
 from pymunk_dragon.sessions.scene import Play
 from pymunk_dragon.sessions.session import MAX_STEP, Session
 
@@ -30,9 +32,6 @@ if TYPE_CHECKING:
 # Parts of the script of the page; each uses only those before it.
 _SCRIPTS = ["connection", "model", "force_scale", "shapes", "overlays", "live_paint", "parameters", "live_charts"]
 _SCRIPTS += ["tools", "recorder", "live_show", "live", "live_controls"]
-# What `reset` puts back in a space that no function builds. The angle comes first: Pymunk finds the position of a body
-# from that of its centre of mass, with the angle.
-_KEPT = ("angle", "position", "velocity", "angular_velocity", "force", "torque", "gravity", "damping", "iterations")
 
 
 class Live(AbstractContextManager["Live"]):
@@ -72,7 +71,8 @@ class Live(AbstractContextManager["Live"]):
     def step(self, dt: float) -> None:
         """Make a step of `dt` s, in place of ``space.step(dt)``, in a program that makes the steps itself.
 
-        The program waits here until the step is due: in real time, or while the page has paused it.
+        The program waits here until the step is due: in real time, or while the page has paused it. An exception in a
+        callback is raised here, and does not pause the session; one in a chart or a control is shown on the page.
         """
         self._session.step(dt)
 
@@ -118,7 +118,8 @@ def live(
     """Step a march or any Pymunk space in real time, and show it in a browser, where it can be touched.
 
     Give a function that builds the space: it is called at the start and at each reset, which then repeats the run to
-    the bit. The session that is returned steps the space in a thread of its own. Change the space in `on_step`, in the
+    the bit. A space that is given gets back all that Pymunk lets a program change; where bodies touch, its run may then
+    differ. The session that is returned steps the space in a thread of its own. Change the space in `on_step`, in the
     actions of controls and in Pymunk's callbacks, or from other threads in `Live.paused`.
 
     Parameters
@@ -175,7 +176,7 @@ def source_of(what: object, play: Play) -> Ready:
     if isinstance(what, March):
         return dragon(what)
     if isinstance(what, pymunk.Space):
-        return program(_states(what).__next__, play)
+        return replace(program(FirstState(what).begin, play), given=True)
     if not callable(what):
         raise ParameterError("what", what, "a March, a pymunk.Space, a function that returns one, or a scene's name")
     return program(what, play)
@@ -193,19 +194,6 @@ def live_page(title: str, language: str) -> tuple[str, str]:
         title=escape(title),
         texts=embedded_json({"zh": catalogue("pymunk_dragon.player", __package__)}),
     )
-
-
-def _states(space: pymunk.Space) -> Iterator[pymunk.Space]:
-    """Yield a space, and then again and again as it was at first."""
-    items: list[pymunk.Body | pymunk.Shape | pymunk.Constraint] = [*space.bodies, *space.shapes, *space.constraints]
-    before = [(part, name, getattr(part, name)) for part in (space, *items) for name in _KEPT if hasattr(part, name)]
-    while True:
-        yield space
-        # All shapes are removed, as the space keeps contacts of shapes that stay.
-        space.remove(*space.constraints, *space.shapes, *space.bodies)
-        for part, name, value in before:
-            setattr(part, name, value)
-        space.add(*items)
 
 
 def _has_widgets() -> bool:

@@ -36,6 +36,8 @@ class Ready:
     lesson: str | None = None
     build: Callable[[Values], Scene]
     plan: Mapping[str, Any] | None = None
+    # Whether `build` changes a space of the user's, and does not build one.
+    given: bool = False
 
 
 # The scenes of the command, in the order in which pages list them.
@@ -67,6 +69,7 @@ def planned(plan: Mapping[str, Any]) -> Ready:
 
 def program(build: Callable[..., pymunk.Space], play: Play) -> Ready:
     """Return the scene of a function that builds a space; sliders with the names of its arguments have their values."""
+    _check(play)
     arguments = signature(build).parameters
     play = replace(play, controls=[_at_start(each, arguments) for each in play.controls])
     own = {each.name: each for each in play.controls if isinstance(each, Slider)}
@@ -77,11 +80,26 @@ def program(build: Callable[..., pymunk.Space], play: Play) -> Ready:
         if not isinstance(space, pymunk.Space):
             raise ParameterError("build", space, "a function that returns a pymunk.Space")
         scene = Scene(space, play)
-        for name in filter(values.__contains__, own):
-            scene.set(name, own[name].checked(values[name]))
+        for name, slider in scene.parameters.items():
+            if name in own and name in values:
+                scene.set(name, slider.checked(values[name]))
+            elif name in values:
+                # The range is that of the space that was built now.
+                scene.set(name, min(max(values[name], slider.low), slider.high))
         return scene
 
     return Ready(name="space", title="A space", text="Pull a body, cut a joint.", build=make)
+
+
+def _check(play: Play) -> None:
+    """Raise a ParameterError if what the user gave cannot be called, or take texts."""
+    if play.on_step is not None and not callable(play.on_step):
+        raise ParameterError("on_step", play.on_step, "a function of the space and the time")
+    plots: Any = play.plots
+    if not (isinstance(plots, Mapping) and all(map(callable, plots.values()))):
+        raise ParameterError("plots", play.plots, "functions of the space by the titles of their charts")
+    if not (play.events is None or isinstance(play.events, list)):
+        raise ParameterError("events", play.events, "a list to which texts are appended")
 
 
 def _at_start(control: Any, arguments: Mapping[str, Parameter]) -> Any:

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from numbers import Real
 from typing import Any
 
 import numpy as np
 import pymunk
 
-from pymunk_dragon._arguments import Array, finite, positive, whole, word
+from pymunk_dragon._arguments import Array, finite, number, positive, whole, word
 from pymunk_dragon.drawing.canvas import in_binary, packed
 from pymunk_dragon.drawing.debug_draw import DrawRecorder, area
 from pymunk_dragon.errors import DragonError, ParameterError
@@ -64,7 +65,8 @@ class Scene:
         self._readings = Readings(space)
         self.pygame = next((each for each in play.controls if isinstance(each, PygameEvents)), None)
         self._pressed = {each.name: each for each in play.controls if isinstance(each, Button)}
-        self._down = space.gravity.normalized() if space.gravity.length > 0 else pymunk.Vec2d(0, -1)
+        down = pymunk.Vec2d(0, 1 if play.y_down else -1)
+        self._down = space.gravity.normalized() if space.gravity.length > 0 else down
         # Sliders, and their present values: the user's come first, and replace those of the scene.
         known = {each.name: each for each in self._sliders()}
         own = {each.name: each for each in play.controls if isinstance(each, Slider)}
@@ -113,6 +115,7 @@ class Scene:
             self.step_length = value / 1e3
         elif not slider.rebuilds:
             setattr(self.space, name, value * self._down if name == "gravity" else value)
+        self._wake()
 
     def press(self, name: str, down: bool) -> None:
         """Call the action of a button or a key that is pressed, or that of a key that is released."""
@@ -123,6 +126,7 @@ class Scene:
             raise ParameterError("name", name, "a button or a key of this scene")
         if action := getattr(control, "action" if down else "up", None):
             action(self.space)
+            self._wake()
 
     def pointer(self, x: float, y: float, kind: str, button: int = 1) -> None:
         """Hand the pointer on to a pygame program, whose window has its origin at the upper left."""
@@ -191,12 +195,25 @@ class Scene:
         number = max(self._obstacles, default=0) + 1
         self._obstacles[number] = {"id": number, "shape": shape, "x": x, "y": y, "size": 2 * half}, found
         self.space.add(found)
+        # A new static shape wakes no body.
+        self._wake([each.shape.body for each in self.space.shape_query(found)])
 
     def remove(self, obstacle: int) -> None:
         """Remove an obstacle."""
         if obstacle not in self._obstacles:
             raise ParameterError("obstacle", obstacle, "the number of an obstacle")
-        self.space.remove(self._obstacles.pop(obstacle)[1])
+        _, shape = self._obstacles.pop(obstacle)
+        # A function of the user's may have removed it.
+        if shape in self.space.shapes:
+            self.space.remove(shape)
+            # Otherwise the ground would list it for ever.
+            shape.body = None
+
+    def _wake(self, bodies: Iterable[pymunk.Body | None] | None = None) -> None:
+        """Wake bodies, or all: Pymunk 7.3.1 wakes none where the space but its gravity, or a static shape, changes."""
+        for body in self.space.bodies if bodies is None else bodies:
+            if body is not None and body.is_sleeping:
+                body.activate()
 
     def to_dict(self) -> dict[str, Any]:
         """Return what the page gets once."""
@@ -219,7 +236,18 @@ class Scene:
 
     def plots(self) -> dict[str, float]:
         """Return quantities for charts: energy, momentum, and those of the user's."""
-        return energies(self.space) | {name: float(plot(self.space)) for name, plot in self.play.plots.items()}
+        return energies(self.space) | {name: self._plotted(name, plot) for name, plot in self.play.plots.items()}
+
+    def _plotted(self, title: str, plot: Callable[[pymunk.Space], float]) -> float:
+        """Return the value of a chart of the user's; an error names the chart."""
+        try:
+            value = plot(self.space)
+        except Exception as error:
+            error.add_note(f"in the chart {title!r}")
+            raise
+        if not isinstance(value, Real | np.bool_):
+            raise ParameterError(f"the value of the chart {title!r}", value, "a number")
+        return number(float(value) if isinstance(value, bool | np.bool_) else value)
 
     def frame(self, header: Mapping[str, Any]) -> bytes:
         """Return the present state as `in_binary` does, with the session's part of the header."""

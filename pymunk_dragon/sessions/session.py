@@ -7,7 +7,7 @@ import math
 import threading
 import traceback
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import partial
 from pathlib import Path
 from time import perf_counter, sleep
@@ -24,6 +24,8 @@ from pymunk_dragon.physics.callbacks import callbacks_raise
 from pymunk_dragon.sessions.dragon import DragonScene
 from pymunk_dragon.sessions.holds import Holds
 from pymunk_dragon.sessions.ready import SCENES, Ready, planned, ready
+from pymunk_dragon.sessions.restore import callbacks, silence
+from pymunk_dragon.sessions.scene import Scene
 
 # What was done to a scene since it was built, as it is written as JSON: `inputs` with the number of steps before each.
 Log = dict[str, Any]
@@ -58,6 +60,8 @@ class Session:
 
     def __init__(self, source: Ready, *, running: bool = True, log: Log | None = None) -> None:
         self._own = source
+        # Values of sliders with which the scene of one's own begins.
+        self._first = dict(log["values"]) if log else {}
         # Pages: `tell` sends a text, `show` a frame, `stop` ends one, and `controls` is whether it may change anything.
         self.clients: tuple[Any, ...] = ()
         self._sharing = threading.Lock()
@@ -69,13 +73,17 @@ class Session:
         self._description: dict[str, Any] = {}
         self._told: dict[str, Any] | None = None
         self._failure: list[dict[str, Any]] = []
+        # The error of the last step of a program that makes the steps itself.
+        self._error: Exception | None = None
         self._due = self._frame_due = self._plotted = self._step_seconds = 0.0
         # When the present second of events began, and their number.
         self._second, self._events = 0.0, 0
         # Held while a step is made or messages are taken: a program that holds it may change the space.
         self.held, self._ended = threading.RLock(), threading.Event()
-        self._thread = threading.Thread(target=self._run, name="pymunk-dragon live", daemon=True)
-        self._build(source, log["values"] if log else {})
+        self._thread = threading.Thread(target=self._run_to_the_end, name="pymunk-dragon live", daemon=True)
+        # Empties the handlers of the scene.
+        self._silence: Callable[[], None] = lambda: None
+        self._build(source, self._first)
         self._replay = self._steps_of(log) if log else None
 
     # ---- from other threads
@@ -86,7 +94,10 @@ class Session:
             self._thread.start()
 
     def step(self, length: float) -> None:
-        """Make a step of a program that makes the steps itself, when it is due: messages and frames go on meanwhile."""
+        """Make a step of a program that makes the steps itself, when it is due: messages and frames go on meanwhile.
+
+        An error in the step is raised here, and does not pause the session, which nobody might resume.
+        """
         if self.scene.play.step is not None:
             raise ParameterError("step", self.scene.play.step, "None for a program that makes the steps itself")
         self.scene.step_length = finite("dt", length, 0, MAX_STEP, "s")
@@ -95,6 +106,10 @@ class Session:
             self.scene.fit()
             self._describe()
         self._run(1)
+
+        error, self._error = self._error, None
+        if error is not None:
+            raise error
 
     def stop(self) -> None:
         """End the thread, and what clients see; a thread that a function of the user's holds ends after it."""
@@ -174,6 +189,17 @@ class Session:
 
     # ---- in the thread that makes the steps
 
+    def _run_to_the_end(self) -> None:
+        """Make steps until the session is stopped, also by `sys.exit` in a function of the user's."""
+        try:
+            with suppress(SystemExit):
+                self._run()
+        finally:
+            if not self._ended.is_set():
+                self.stop()
+            with self.held:
+                self._silence()
+
     def _run(self, steps: float = math.inf) -> None:
         """Take messages, and make frames, and so many steps when they are due."""
         while steps > 0 and not self._ended.is_set():
@@ -197,7 +223,7 @@ class Session:
     def _step(self) -> None:
         scene, begin = self.scene, perf_counter()
         self._single_steps = max(self._single_steps - 1, 0)
-        with self._watched():
+        with self._watched(own_step=scene.play.step is None):
             if self._replay is not None:
                 # A replay goes on after a stop, as the recorded session did.
                 next(self._replay, None)
@@ -232,21 +258,31 @@ class Session:
         self.running, self._single_steps = False, 0
 
     @contextmanager
-    def _watched(self, answer: Callable[[Any], object] | None = None) -> Iterator[None]:
-        """Context in which an error pauses the session, and is shown; one of this package's is a message's answer."""
+    def _watched(self, answer: Callable[[Any], object] | None = None, own_step: bool = False) -> Iterator[None]:
+        """Context in which an error pauses the session, and is shown; one of this package's is a message's answer.
+
+        In a step of a program that makes the steps itself, it is kept for that program.
+        """
         try:
             with callbacks_raise():
                 yield
         except Exception as error:
             failure = _described(error)
+            if own_step:
+                self._error = error
             if answer is not None and isinstance(error, DragonError):
                 answer(failure)
             # An error is sent once, and not again in each frame of a session that it paused.
             elif self._failure != [failure]:
                 self._failure = [failure]
-                self._pause()
-                self._end_replay(DragonError(f"the replay ends at step {self.scene.steps}: {error}"))
+                self._fail(error)
                 self.tell(failure)
+
+    def _fail(self, error: Exception) -> None:
+        """Pause at an error, and end a replay; a program that makes the steps itself would wait for ever."""
+        if self.scene.play.step is not None:
+            self._pause()
+        self._end_replay(DragonError(f"the replay ends at step {self.scene.steps}: {error}"))
 
     def _show(self, now: float) -> None:
         """Send clients the state if it changed, and a frame, now and then with values for charts."""
@@ -266,15 +302,20 @@ class Session:
 
     def _tell_events(self, now: float) -> None:
         """Send the events of the last step, but not more than clients can show; the rest is counted."""
-        texts = self.scene.events
+        events: list[Any] = self.scene.events
+        found = events[:]
+        del events[: len(found)]
+        texts = [each for each in found if isinstance(each, str)]
+        i = self._events - _MAX_EVENTS
         if now - self._second >= 1:
-            if (i := self._events - _MAX_EVENTS) > 0:
-                texts.insert(0, f"{i} further events in a second")
             self._second, self._events = now, 0
+            if i > 0:
+                texts = [f"{i} further events in a second", *texts]
         for text in texts[: max(_MAX_EVENTS - self._events, 0)]:
             self.tell({"kind": "event", "time": self.scene.time, "text": text})
         self._events += len(texts)
-        texts.clear()
+        if len(found) > len(texts):
+            raise ParameterError("events", found, "a list of texts")
 
     def _describe(self) -> None:
         """Send clients what describes the scene, also those that join later."""
@@ -282,6 +323,7 @@ class Session:
         scenes = [{"name": each.name, "title": each.title} for each in ({self._own.name: self._own} | SCENES).values()]
         session = {"kind": "scene", "role": "control", "generation": self.generation, "scenes": scenes}
         session |= {"replays": self.source.plan is not None, "resets": self.scene.play.step is not None}
+        session["given"] = self.source.given
         self._description = without_nan(session | about | self.scene.to_dict())
         self.tell(self._description)
 
@@ -307,10 +349,10 @@ class Session:
                 case {"do": "speed", "value": value}:
                     self.speed = finite("speed", value, *_SPEEDS, "times")
                 case {"do": "scene", "name": name}:
-                    self._build(self._own if name == self._own.name else ready(name), {})
+                    self._begin(self._own if name == self._own.name else ready(name))
                     self.running = True
                 case {"do": "reset"}:
-                    self._build(self.source, self.values)
+                    self._begin(self.source)
                 case _:
                     if self._holds.allows(client, message):
                         self._apply(message)
@@ -326,14 +368,20 @@ class Session:
             slider = self.scene.parameters[word("name", message["name"], self.scene.parameters)]
             arguments["value"] = slider.checked(message["value"])
             if slider.rebuilds and self._replay is None:
-                self._build(self.source, {**self.scene.values, slider.name: arguments["value"]})
+                self._build(self.source, {**self._chosen, slider.name: arguments["value"]})
                 return
         action(**arguments)
+        if message["do"] == "set":
+            self._chosen[message["name"]] = arguments["value"]
         # As JSON, which takes less memory.
         self.inputs.append(json.dumps([self.scene.steps, message]))
 
+    def _begin(self, source: Ready) -> None:
+        """Begin anew, with the first values of all sliders."""
+        self._build(source, self._first if source is self._own else {})
+
     def _build(self, source: Ready, values: Mapping[str, float]) -> None:
-        """Begin anew; the old scene stays if the new one cannot be built."""
+        """Begin anew with values of sliders; the old scene stays if the new one cannot be built."""
         self.tell({"kind": "building"})
         self._told = None
         try:
@@ -341,7 +389,10 @@ class Session:
         except Exception:
             self.tell(self._description)
             raise
+        self._silence_old_scene(source, scene)
         self.source, self.scene, self.values = source, scene, dict(values)
+        # Values that sliders were given since the scene's first moment.
+        self._chosen = dict(values)
         self.inputs: list[str] = []
         self.generation += 1
         self._end_replay(None)
@@ -349,6 +400,12 @@ class Session:
         # Events of the old scene that were not sent are not counted.
         self._events = min(self._events, _MAX_EVENTS)
         self._describe()
+
+    def _silence_old_scene(self, source: Ready, scene: Scene) -> None:
+        """Empty the handlers of the scene before this one, which Pymunk would call while it frees the space."""
+        if self.generation and self.scene.space is not scene.space:
+            self._silence()
+        self._silence = partial(silence, scene.space, [] if source.given else callbacks(scene.space))
 
 
 def _described(error: Exception) -> dict[str, Any]:
@@ -358,7 +415,8 @@ def _described(error: Exception) -> dict[str, Any]:
     frames = traceback.extract_tb(error.__traceback__)
     own = [frame for frame in frames if not frame.filename.startswith(_LIBRARIES)] or frames
     place = f"{Path(own[-1].filename).name}, line {own[-1].lineno}: {own[-1].line}"
-    text, trace = f"{type(error).__name__}: {error}", "".join(traceback.format_list(own[-_TRACE_CALLS:]))
+    trace = "".join(traceback.format_list(own[-_TRACE_CALLS:]))
+    text = f"{type(error).__name__}: {error}" + "".join(f" ({note})" for note in getattr(error, "__notes__", ()))
     return {"kind": "error", "text": text, "place": place, "trace": trace}
 
 

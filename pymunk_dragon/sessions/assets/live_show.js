@@ -20,6 +20,9 @@ function showScene(live) {
     : localized("Force by joint ({unit})", { unit: model.forceUnit }));
   live.sliders.setParameters(scene.parameters);
   showLesson(scene);
+  element("reset").title = scene.given
+    ? localized("Start again: all is as it was at first, sliders too; where bodies touch, the run may differ")
+    : localized("Start again: all is as it was at first, sliders too");
   for (const id of ["save", "about-save"]) element(id).hidden = IN_WIDGET || !scene.replays;
   const list = element("scene");
   list.replaceChildren(...scene.scenes.map((each) => new Option(translated(each.title), each.name)));
