@@ -233,19 +233,21 @@ def test_reset_of_a_given_space_brings_back_all_that_pymunk_lets_a_user_change()
     parts = everything()
     space, before = parts["space"], state(parts)
     with played(space) as on:
-        space.remove(parts["pin"], parts["circle"])
-        for name, values in CHANGES.items():
-            for key, value in values.items():
-                setattr(parts[name], key, value)
-        parts["circle"].unsafe_set_radius(4)
-        parts["circle"].unsafe_set_offset((4, 4))
-        parts["segment"].unsafe_set_endpoints((4, 4), (5, 5))
-        parts["segment"].unsafe_set_radius(4)
-        parts["polygon"].unsafe_set_vertices([(0, 0), (4, 0), (0, 4)])
-        parts["polygon"].unsafe_set_radius(4)
-        parts["a"].added = 3
-        newcomer = pymunk.Body(1, 1)
-        space.add(newcomer, pymunk.Circle(newcomer, 1), pymunk.SimpleMotor(parts["a"], newcomer, 1))
+        # The thread of the session draws frames meanwhile.
+        with on.session.held:
+            space.remove(parts["pin"], parts["circle"])
+            for name, values in CHANGES.items():
+                for key, value in values.items():
+                    setattr(parts[name], key, value)
+            parts["circle"].unsafe_set_radius(4)
+            parts["circle"].unsafe_set_offset((4, 4))
+            parts["segment"].unsafe_set_endpoints((4, 4), (5, 5))
+            parts["segment"].unsafe_set_radius(4)
+            parts["polygon"].unsafe_set_vertices([(0, 0), (4, 0), (0, 4)])
+            parts["polygon"].unsafe_set_radius(4)
+            parts["a"].added = 3
+            newcomer = pymunk.Body(1, 1)
+            space.add(newcomer, pymunk.Circle(newcomer, 1), pymunk.SimpleMotor(parts["a"], newcomer, 1))
         assert on.do("obstacle", shape="round", x=0.0, y=0.0, size=1.0) is None
         changed = state(parts)
         for name, values in CHANGES.items():
