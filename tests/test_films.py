@@ -357,6 +357,15 @@ def test_table_of_films_has_every_colour_of_pictures(seed):
         assert (off.max() <= 32, counts[off > 16].sum() < len(pixels) / 1000) == (True, True)
 
 
+def test_each_colour_of_the_table_is_written_as_it_is(run, monkeypatch):
+    canvas = Canvas([run], np.zeros(1), Film(size=64))
+    table = Image.fromarray(colour_table()[None])
+    monkeypatch.setattr(canvas, "frames", lambda: iter([table]))
+    [picture] = canvas.pictures(None)
+    np.testing.assert_array_equal(np.asarray(picture)[0], np.arange(len(colour_table())))
+    np.testing.assert_array_equal(np.asarray(picture.convert("RGB")), np.asarray(table))
+
+
 def test_no_two_bench_colours_look_alike_to_anyone_or_in_grey():
     # Machado, Oliveira and Fernandes 2009, severity 1, on linear light.
     visions = {
