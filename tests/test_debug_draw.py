@@ -3,11 +3,13 @@
 import math
 from collections import Counter
 
+import imageio.v3 as iio
 import numpy as np
 import pymunk
 import pytest
 import shapely
 from conftest import refusal
+from documents import GUIDES
 from PIL import Image, ImageChops
 from pymunk import BB, Transform, Vec2d
 from pymunk.space_debug_draw_options import SpaceDebugColor
@@ -272,6 +274,30 @@ def test_recorder_has_every_call_in_the_coordinates_of_the_space():
     marks = Counter(call.name for call in recorder.calls if call.outline is None)
     assert marks == {"line": 5, "dot": 10, "contact": 3}
     assert recorder.transform == Transform.scaling(7)
+
+
+def ball(number, colour):
+    """Frame of a small ball on a ground with many colours."""
+    x, y = np.meshgrid(np.arange(158), np.arange(62))
+    ground = np.stack([x, 4 * y, np.full_like(x, 120)], axis=-1)
+    ground[np.hypot(x - 20 - 5 * number, y - 30) < 4] = colour
+    return Image.fromarray(ground.astype(np.uint8))
+
+
+def test_recipes_of_the_guide_keep_colours_and_sizes(here):
+    # The blocks of the program, from the palette on, and of the MP4.
+    program, mp4, *_ = GUIDES["pictures"].blocks("python")
+    last_frame, first_frame = (230, 20, 20), (20, 200, 40)
+    frames = [ball(number, last_frame if number == 19 else first_frame) for number in range(20)]
+    names = {"frames": frames, "Image": Image, "numpy": np}
+    exec(program[program.index("everything") :] + mp4, names)
+    with Image.open("dominoes.gif") as film:
+        for number, colour in ((0, first_frame), (19, last_frame)):
+            film.seek(number)
+            shown = np.asarray(film.convert("RGB")).astype(int)
+            assert np.abs(shown[30, 20 + 5 * number] - colour).max() <= 4
+            assert np.abs(shown - np.asarray(frames[number])).max() <= 24
+    assert iio.immeta("dominoes.mp4")["size"] == (158, 62)
 
 
 def test_pictures_look_as_they_did(golden):
