@@ -145,6 +145,17 @@ def test_marks_of_contacts_are_as_thick_as_lines_at_every_angle():
             )
 
 
+def test_what_has_no_length_is_drawn_as_a_point_or_not_at_all():
+    here = Vec2d(32, 32)
+    assert not has(painted("draw_segment", here, here, BLACK), RED)
+    for name, arguments in (
+        ("draw_fat_segment", (here, here, 0.0)),
+        ("draw_polygon", ([here, here + Vec2d(20, 9)], 0.0)),
+    ):
+        covered = np.asarray(painted(name, *arguments, RED, BLACK))[..., 0] < 255
+        assert 0 < covered.sum() < 40
+
+
 def test_outline_lets_the_fill_shine_through_nowhere_else():
     box = [Vec2d(10, 12), Vec2d(54, 22), Vec2d(50, 50), Vec2d(12, 44)]
     clear = (0, 0, 0, 0)

@@ -285,9 +285,10 @@ def _paint(draw: ImageDraw.ImageDraw, view: pymunk.Transform, line: float, call:
     roundness = max(radius - _EDGE_INSET, 0.0)
     outer = _around(corners, headings, roundness, roundness)
     edge = [_pixels(arc) for arc in outer]
-    if len(corners) == 2:
-        right, left = edge
-        right[-1], left[0], left[-1], right[0] = strokes.line(*corners, 2 * radius)
+    if call.name == "segment" and len(corners) == 2:
+        sides = strokes.line(corners[0], corners[1], 2 * radius)
+        edge[0][-1], edge[1][0] = sides[:2]
+        edge[1][-1], edge[0][0] = sides[2:]
     draw.polygon([*chain(*edge)], fill)
     if call.outline is None or thin:
         return
@@ -308,9 +309,9 @@ def _paint_line(draw: ImageDraw.ImageDraw, ends: Sequence[_Point], width: int, c
         # A line that is parallel to an axis cannot leave the picture along the other one.
         crossings = [(border - begin) / (move or math.ulp(0.0)) for border in (-2 * width, size + 2 * width)]
         first, last = max(first, min(crossings)), min(last, max(crossings))
-    if first < last:
-        begin, end = ((x + part * (x_end - x), y + part * (y_end - y)) for part in (first, last))
-        draw.polygon(strokes.line(begin, end, width), colour)
+    if first < last and ends[0] != ends[1]:
+        shown = [(x + part * (x_end - x), y + part * (y_end - y)) for part in (first, last)]
+        draw.polygon(strokes.line(shown[0], shown[1], width), colour)
 
 
 def _sides(points: Sequence[pymunk.Vec2d]) -> tuple[list[pymunk.Vec2d], list[float]]:
