@@ -174,7 +174,8 @@ class PillowDrawOptions(DrawRecorder):
         Whether y increases upwards from the image's lower edge. If False, y increases downwards from the upper edge as
         in `pymunk.pygame_util`.
     line_width : float
-        Width of outlines and lines, pixels, from 1 to 100. Dots and contacts scale with the line width.
+        Width of outlines and lines, pixels, from 1 to 100; at every angle they are as thick, to a quarter of a pixel.
+        Dots and contacts scale with the line width.
 
     Examples
     --------
