@@ -7,12 +7,15 @@ import stat
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import TypeVar
 
 from pymunk_dragon._signals import signals_held
 from pymunk_dragon.errors import FileFormatError, OutputError, ParameterError
 
 # Bytes of a text file: 50,000 points with all their digits have 2.2 MB.
 _MAX_TEXT = 4_000_000
+
+T = TypeVar("T")
 
 
 def check_destination(path: str | Path, endings: Iterable[str]) -> Path:
@@ -35,7 +38,7 @@ def written_in_place(path: str | Path) -> Iterator[Path]:
     """Yield the name of a draft to write to, which replaces `path` at the end, or is removed after an exception.
 
     The file keeps its mode, and symbolic links to it stay. Devices and FIFOs are written to. An OSError becomes an
-    OutputError.
+    OutputError, but for those in `passed_on`.
     """
     destination = Path(path)
     try:
@@ -48,10 +51,35 @@ def written_in_place(path: str | Path) -> Iterator[Path]:
             with suppress(FileNotFoundError):
                 draft.chmod(stat.S_IMODE(destination.stat().st_mode))
             draft.replace(os.path.realpath(destination))
+    except _PassedOn as passed:
+        raised = passed.error
     except OutputError:
         raise
     except OSError as error:
         raise OutputError(destination, _reason(error)) from error
+    else:
+        return
+    # Not in the clause above, whose exception would be the context of this one.
+    raise raised
+
+
+class _PassedOn(BaseException):
+    """An error of code that draws, on its way through code that translates errors of writing."""
+
+    def __init__(self, error: Exception) -> None:
+        super().__init__(error)
+        self.error = error
+
+
+def passed_on(drawn: Iterator[T]) -> Iterator[T]:
+    """Yield what is drawn inside `written_in_place`, which raises errors of the drawing as they are.
+
+    Drawing calls functions of the user, whose errors are not those of the file.
+    """
+    try:
+        yield from drawn
+    except Exception as error:
+        raise _PassedOn(error) from error
 
 
 def read_text(path: str | Path, name: str, limit: int = _MAX_TEXT) -> str:
@@ -116,6 +144,8 @@ def temporary_folder(destination: Path | None = None) -> Iterator[Path]:
             beside = os.path.dirname(os.path.realpath(str(destination))) if is_replaced else None
             folder = TemporaryDirectory(prefix=".pymunk-dragon-", dir=beside)
         except (OSError, ValueError) as error:
+            if destination is None:
+                raise OutputError("a temporary folder", _reason(error)) from error
             bound = f"in a folder that can be written ({_reason(error)})"
             raise ParameterError("output", str(destination), bound) from error
         try:

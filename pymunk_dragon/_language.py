@@ -55,8 +55,15 @@ def font() -> Path | None:
     """File of a font with the characters of the present language; None if every font has them."""
     if language() == "en":
         return None
+    if (file := chinese_font()) is None:
+        raise missing_extra("zhplot")
+    return file
+
+
+def chinese_font() -> Path | None:
+    """File of the font with Chinese characters; None if its extra is not installed."""
     # Not imported: that would change matplotlib's settings.
     found = find_spec("zhplot")
     if found is None or found.origin is None:
-        raise missing_extra("zhplot")
+        return None
     return Path(found.origin).with_name("fonts") / "NotoSansSC-Regular.ttf"

@@ -203,6 +203,15 @@ def test_render_and_report_take_the_format_from_the_ending(answer, here):
     assert json.loads(Path("r.json").read_text())["first_contact"]["benches"] == [0, 8]
 
 
+def test_size_of_a_film_that_is_not_the_one_given_is_said(call, here):
+    small = ["render", "--benches", "5", "--until", "1", "--fps", "2", "--speedup", "1"]
+    code, out, err = call(*small, "--size", "121x77", "-o", "f.mp4")
+    assert (code, out, err.count("\n")) == (0, "", 1)
+    assert "120 x 76" in err
+    for arguments in (["--size", "120x76", "-o", "f.mp4"], ["--size", "121x77", "-o", "f.gif"]):
+        assert call(*small, *arguments) == (0, "", "")
+
+
 def test_render_sets_runs_side_by_side_with_their_marks_and_words(answer, small_run, tmp_path):
     run, picture = tmp_path / "r.npz", tmp_path / "p.png"
     small_run.save(run)

@@ -3,11 +3,13 @@
 import math
 from collections import Counter
 
+import imageio.v3 as iio
 import numpy as np
 import pymunk
 import pytest
 import shapely
 from conftest import refusal
+from documents import GUIDES
 from PIL import Image, ImageChops
 from pymunk import BB, Transform, Vec2d
 from pymunk.space_debug_draw_options import SpaceDebugColor
@@ -16,6 +18,7 @@ from pymunk_dragon import PillowDrawOptions
 from pymunk_dragon.drawing.debug_draw import DrawRecorder
 
 BLACK, RED = SpaceDebugColor(0, 0, 0, 255), SpaceDebugColor(255, 0, 0, 255)
+WHITE = SpaceDebugColor(255, 255, 255, 255)
 
 
 def white(width=64, height=64):
@@ -78,6 +81,90 @@ def test_every_kind_of_shape_covers_its_area():
             truth = shapely.area(shapely.intersection(shapely.box(x, y, x + 1, y + 1), area))
             assert np.abs(covered - truth).max() < 0.8, (name, number)
             assert abs(covered.sum() - truth.sum()) < 0.3 * area.length, (name, number)
+
+
+# Pixels: the largest error of the mean thickness of a line of tens of pixels. Polygons have whole pixels, and a picture
+# is drawn at twice its size.
+THICKNESS = 0.25
+
+
+def test_lines_and_outlines_are_as_thick_as_their_width_at_every_angle():
+    random = np.random.default_rng(5)
+    x, y = np.meshgrid(np.arange(120) + 0.5, np.arange(120) + 0.5)
+    for width in (1, 1.5, 2, 3, 4):
+        for degrees in range(0, 91, 5):
+            along = Vec2d.from_polar(1, math.radians(degrees + random.choice([0, 90])))
+            middle = Vec2d(60, 60) + Vec2d(*random.random(2).tolist())
+            across = along.perpendicular()
+            ends = middle - 50 * along, middle + 50 * along
+            far, away = ((x - middle.x) * one.x + (y - middle.y) * one.y for one in (along, across))
+            corners = [end + 12 * side * across for end, side in zip((*ends, *ends[::-1]), (-1, -1, 1, 1), strict=True)]
+            # What is drawn, in which part of the picture, and how long a line is there.
+            for name, arguments, part, length in (
+                ("draw_segment", (*ends, BLACK), np.abs(far) < 35, 70),
+                ("draw_fat_segment", (*ends, 0.0, RED, BLACK), np.abs(far) < 35, 70),
+                ("draw_fat_segment", (*ends, 12.0, BLACK, WHITE), (np.abs(far) < 35) & (away > 0), 70),
+                ("draw_polygon", (corners, 0.0, BLACK, WHITE), (np.abs(far) < 35) & (away > 0), 70),
+                ("draw_polygon", (corners, 3.0, BLACK, WHITE), (np.abs(far) < 35) & (away < 0), 70),
+                (
+                    "draw_circle",
+                    (middle, along.angle, 45, BLACK, WHITE),
+                    (np.abs(away) < 12) & (np.abs(far - 21) < 19),
+                    38,
+                ),
+                (
+                    "draw_circle",
+                    (middle, across.angle, 45, BLACK, WHITE),
+                    (np.abs(far) > 30) & (np.hypot(far, away) > 35),
+                    None,
+                ),
+            ):
+                options = PillowDrawOptions(white(120, 120), line_width=width)
+                with options:
+                    getattr(options, name)(*arguments)
+                covered = float(((1 - np.asarray(options.image)[..., 0] / 255) * part).sum())
+                if length is None:  # Two arcs of a circle.
+                    length = 4 * math.acos(30 / (45 - width / 2)) * (45 - width / 2)
+                assert covered / length == pytest.approx(width, abs=THICKNESS), (name, width, degrees)
+
+
+def test_marks_of_contacts_are_as_thick_as_lines_at_every_angle():
+    mark = SpaceDebugColor(255, 0, 0, 255)
+    for width in (1, 2, 3, 4):
+        for degrees in range(0, 91, 5):
+            options = PillowDrawOptions(white(), line_width=width)
+            options.collision_point_color = mark
+            along = Vec2d.from_polar(1, math.radians(degrees))
+            with options:
+                options.draw_segment(Vec2d(32, 32) - along, Vec2d(32, 32) + along, mark)
+            covered = float((1 - np.asarray(options.image)[..., 1] / 255).sum())
+            # Five widths to either side of the contact, and up to half a pixel more.
+            assert covered == pytest.approx(width * (10 * width + 0.25), abs=THICKNESS * (10 * width + 1)), (
+                width,
+                degrees,
+            )
+
+
+def test_what_has_no_length_is_drawn_as_a_point_or_not_at_all():
+    here = Vec2d(32, 32)
+    assert not has(painted("draw_segment", here, here, BLACK), RED)
+    for name, arguments in (
+        ("draw_fat_segment", (here, here, 0.0)),
+        ("draw_polygon", ([here, here + Vec2d(20, 9)], 0.0)),
+    ):
+        covered = np.asarray(painted(name, *arguments, RED, BLACK))[..., 0] < 255
+        assert 0 < covered.sum() < 40
+
+
+def test_outline_lets_the_fill_shine_through_nowhere_else():
+    box = [Vec2d(10, 12), Vec2d(54, 22), Vec2d(50, 50), Vec2d(12, 44)]
+    clear = (0, 0, 0, 0)
+    both, fill, outline = (
+        painted("draw_polygon", box, 4.0, *colours) for colours in ((BLACK, RED), (clear, RED), (BLACK, clear))
+    )
+    inked = np.asarray(outline)[..., :1] < 255
+    np.testing.assert_array_equal(np.asarray(both)[~inked[..., 0]], np.asarray(fill)[~inked[..., 0]])
+    assert not has(outline, RED)
 
 
 def test_circles_have_a_line_in_the_direction_of_their_body_in_every_view():
@@ -163,7 +250,11 @@ def test_shapes_far_larger_than_the_picture_are_drawn():
     far = [Vec2d(-1e7, -1e7), Vec2d(1e7, -1e7), Vec2d(0, 2e7)]
     for radius in (0, 5e6):
         assert (np.asarray(painted("draw_polygon", far, radius, BLACK, RED)) == RED[:3]).all()
-    assert has(painted("draw_segment", Vec2d(-4e8, 32), Vec2d(4e8, 32), BLACK), BLACK)
+    assert has(painted("draw_segment", Vec2d(-4e8, 32.5), Vec2d(4e8, 32.5), BLACK), BLACK)
+    # A slope of 0.3 around a point of the picture.
+    far_away = Vec2d(1e8, 3e7)
+    across = np.asarray(painted("draw_segment", Vec2d(20, 30) - far_away, Vec2d(20, 30) + far_away, BLACK))[..., 0]
+    assert np.abs(np.argmin(across[:, ::9], axis=0) + 0.5 - (30 + 0.3 * (np.arange(0, 64, 9) + 0.5 - 20))).max() < 1
 
 
 def test_wrong_colour_of_a_shape_is_raised_and_the_options_can_be_used_again(capfd):
@@ -194,6 +285,30 @@ def test_recorder_has_every_call_in_the_coordinates_of_the_space():
     marks = Counter(call.name for call in recorder.calls if call.outline is None)
     assert marks == {"line": 5, "dot": 10, "contact": 3}
     assert recorder.transform == Transform.scaling(7)
+
+
+def ball(number, colour):
+    """Frame of a small ball on a ground with many colours."""
+    x, y = np.meshgrid(np.arange(158), np.arange(62))
+    ground = np.stack([x, 4 * y, np.full_like(x, 120)], axis=-1)
+    ground[np.hypot(x - 20 - 5 * number, y - 30) < 4] = colour
+    return Image.fromarray(ground.astype(np.uint8))
+
+
+def test_recipes_of_the_guide_keep_colours_and_sizes(here):
+    # The blocks of the program, from the palette on, and of the MP4.
+    program, mp4, *_ = GUIDES["pictures"].blocks("python")
+    last_frame, first_frame = (230, 20, 20), (20, 200, 40)
+    frames = [ball(number, last_frame if number == 19 else first_frame) for number in range(20)]
+    names = {"frames": frames, "Image": Image, "numpy": np}
+    exec(program[program.index("everything") :] + mp4, names)
+    with Image.open("dominoes.gif") as film:
+        for number, colour in ((0, first_frame), (19, last_frame)):
+            film.seek(number)
+            shown = np.asarray(film.convert("RGB")).astype(int)
+            assert np.abs(shown[30, 20 + 5 * number] - colour).max() <= 4
+            assert np.abs(shown - np.asarray(frames[number])).max() <= 24
+    assert iio.immeta("dominoes.mp4")["size"] == (158, 62)
 
 
 def test_pictures_look_as_they_did(golden):

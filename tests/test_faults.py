@@ -273,6 +273,7 @@ def test_signal_after_the_last_output_is_no_error():
     [("positions --times 0:300:1", "p.csv")],
     [
         ("positions --times 0:300:1", "p.xlsx"),
+        ("contact --from 412", "c.xlsx"),
         ("simulate --until 1", "run.npz"),
         ("render --until 6", "film.gif"),
         *(("report RUN.npz", f"report{ending}") for ending in (".html", ".md", ".csv", ".json")),
@@ -287,15 +288,15 @@ def test_full_disk_is_one_line_and_leaves_the_old_file(tmp_path, tmp_path_factor
     small_run.save(run)
     for arguments, file in commands:
         (tmp_path / file).write_bytes(b"old")
-        # FFmpeg writes all of a short film at its end.
-        limit = f"ulimit -f {30 if file.endswith('mp4') else 4};"
-        # Matplotlib cannot be imported with an unknown backend in the environment; the program chooses its own.
-        words = arguments.replace("RUN.npz", str(run)).split()
-        code, out, err = program(*words, "-o", file, before=limit, folder=tmp_path, MPLBACKEND="bogus")
-        assert (code, out) == (1, ""), file
-        assert_one_line(err, "cannot write ")
-        assert names(tmp_path) == [file]
-        assert (tmp_path / file).read_bytes() == b"old"
+        # FFmpeg writes all of a short film at its end. Nothing at all can be written by finalizers either.
+        for limit in (30 if file.endswith("mp4") else 4, 0):
+            # Matplotlib cannot be imported with an unknown backend in the environment; the program chooses its own.
+            words, before = arguments.replace("RUN.npz", str(run)).split(), f"ulimit -f {limit};"
+            code, out, err = program(*words, "-o", file, before=before, folder=tmp_path, MPLBACKEND="bogus")
+            assert (code, out) == (1, ""), file
+            assert_one_line(err, "cannot write ")
+            assert names(tmp_path) == [file]
+            assert (tmp_path / file).read_bytes() == b"old"
         (tmp_path / file).unlink()
 
 

@@ -1,17 +1,30 @@
 """Films in every format: what is in the file, how long it plays, which part it shows, and what stands side by side."""
 
 import subprocess
+import textwrap
 from dataclasses import replace
 
 import imageio.v3 as iio
 import imageio_ffmpeg
 import numpy as np
+import psutil
 import pytest
 from conftest import refusal
 from marches import ARM, TRACTOR
-from PIL import Image, features
+from PIL import Image, ImageFont, features
 
-from pymunk_dragon import Camera, Dragon, Film, March, Run, SpeedTable, UTurn, first_contact, render
+from pymunk_dragon import (
+    Camera,
+    Dragon,
+    Film,
+    March,
+    OutputError,
+    Run,
+    SpeedTable,
+    UTurn,
+    first_contact,
+    render,
+)
 from pymunk_dragon._language import in_language
 from pymunk_dragon.drawing import FILM_ENDINGS, lettering, still_png
 from pymunk_dragon.drawing.film.formats import WRITERS, Frames
@@ -24,6 +37,8 @@ MARCH = March(Dragon(benches=16), turns=4)
 HEAD = Camera(follow="head")
 NEAR_MISSES = (406.8466, 409.8320)
 CONTACT = 412.4738
+# A letter of Devanagari, which no font of films has.
+UNKNOWN = "\u0915"
 
 
 @pytest.fixture(scope="module")
@@ -124,13 +139,43 @@ def test_film_that_is_broken_off_leaves_the_old_one(run, tmp_path):
     assert len(list(tmp_path.iterdir())) == len(FILM_ENDINGS)
 
 
+def test_error_of_the_users_own_code_is_raised_as_it_is_and_leaves_nothing(tmp_path):
+    def stop(done, total):
+        if done == 3:
+            raise error
+
+    for path in [tmp_path / f"film{ending}" for ending in FILM_ENDINGS]:
+        path.write_bytes(b"old")
+        for error in (
+            RuntimeError("my own"),
+            OSError(5, "my own"),
+            OutputError("mine", "my own"),
+            OverflowError("mine"),
+        ):
+            assert refusal(render, MARCH, path, size=64, until=9, progress=stop, error=type(error)) is error
+        assert path.read_bytes() == b"old"
+    assert len(list(tmp_path.iterdir())) == len(FILM_ENDINGS)
+    assert [child for child in psutil.Process().children() if "ffmpeg" in child.name()] == []
+
+
+def test_size_that_is_returned_is_that_of_the_file(run, tmp_path):
+    sizes = {}
+    for ending in (*FILM_ENDINGS, ".png"):
+        path = tmp_path / f"film{ending}"
+        returned = render(run, path, size=(121, 77), fps=10, speedup=5).size
+        size = iio.immeta(path)["size"] if ending == ".mp4" else iio.improps(path).shape[-2:-4:-1]
+        assert returned == size
+        sizes[ending] = size
+    assert sizes == {".gif": (121, 77), ".mp4": (120, 76), ".png": (121, 77)}
+
+
 def test_bad_parameters_are_refused(run, tmp_path):
     cases = [("fps", value) for value in (51, 24.5, 0, "fast", True)]
     cases += [("speedup", value) for value in (0, float("nan"), 1e-5)]
     cases += [("size", value) for value in (63, 5000, (640, 0), (640, 640, 3), 640.5)]
     cases += [("hold", -1), ("hold", float("inf")), ("start", -1), ("start", float("nan")), ("until", 11)]
-    cases += [("title", 3), ("title", "\u9f99"), ("camera", "head")]
-    cases += [("headings", value) for value in (("a", None), ("one", "too many"), ("\u9f99",))]
+    cases += [("title", 3), ("title", UNKNOWN), ("caption", "w" * 10_001), ("camera", "head")]
+    cases += [("headings", value) for value in (("a", None), ("one", "too many"), (UNKNOWN,))]
     cases += [("show", value) for value in (("shadows",), "grid", ("impulses",))]
     calls = [(name, run, "film.gif", {name: value}) for name, value in cases]
     calls += [("until", run, "film.gif", {"start": 5, "until": 4}), ("until", MARCH, "film.gif", {})]
@@ -214,7 +259,53 @@ def test_title_and_caption_stand_outside_the_picture_in_as_many_lines_as_they_ne
     assert any(np.array_equal(titled[top : top + 200], plain) for top in range(1, len(titled) - 200))
     heights = [len(still(run, 4.0, Film(size=200, caption=text))) for text in ("word ", "word " * 40, "w" * 60)]
     assert heights[0] < min(heights[1:])
-    assert "\N{GREEK SMALL LETTER THETA}" in str(refusal(still, run, 4.0, Film(title="\N{GREEK SMALL LETTER THETA}")))
+    assert UNKNOWN in str(refusal(still, run, 4.0, Film(title=UNKNOWN)))
+
+
+def brute_force(text, height, width):
+    """Lines with the largest number of characters with which all are narrow enough, found one by one."""
+    for columns in range(max(1, len(text)), 0, -1):
+        lines = [lettering.line(part, height) for part in textwrap.wrap(text, columns)]
+        if all(each.width <= width for each in lines):
+            break
+    return lines
+
+
+def test_title_has_the_longest_lines_that_fit():
+    for text in ("", "A title", "Benches, in contact " * 3, "w" * 50, "well-known co-operation i W " * 2 + "x" * 30):
+        for height, width in ((15, 64), (20, 150), (31, 400)):
+            found, expected = (wrap(text, height, width) for wrap in (lettering.wrapped, brute_force))
+            assert list(map(np.array_equal, found, expected)) == [True] * len(expected), (text, height, width)
+
+
+def test_work_for_a_title_of_one_word_grows_with_its_length_only(monkeypatch):
+    measured = []
+    getbbox = ImageFont.FreeTypeFont.getbbox
+    counted = lambda font, text, *more: measured.append(len(text)) or getbbox(font, text, *more)  # noqa: E731
+    monkeypatch.setattr(ImageFont.FreeTypeFont, "getbbox", counted)
+    sums = []
+    for length in (500, 4000):
+        measured.clear()
+        assert len(lettering.wrapped("m" * length, 20, 440)) > 10
+        sums.append(sum(measured))
+    assert sums[1] < 12 * sums[0]
+
+
+def test_title_that_no_film_can_hold_is_refused(run):
+    assert refusal(still, run, 4.0, Film(size=64, title="m" * 5000)).name == "title"
+    assert len(still(run, 4.0, Film(size=64, caption="m" * 500))) > 4000
+
+
+def test_chinese_title_needs_the_font_and_not_the_language(run, monkeypatch):
+    chinese = "\u677f\u51f3\u9f99 3"
+    shown = still(run, 4.0, Film(size=200, title=chinese))
+    with in_language("zh"):
+        expected = still(run, 4.0, Film(size=200, title=chinese))
+    np.testing.assert_array_equal(shown[:-200], expected[:-200])
+    monkeypatch.setattr("pymunk_dragon._language.find_spec", lambda name: None)
+    refused = refusal(still, run, 4.0, Film(size=200, title=chinese))
+    assert refused.name == "title"
+    assert "pymunk-dragon[chinese]" in str(refused)
 
 
 # Pictures of the dragon: colours, sizes, texts, marks, and other marches than the paper's
@@ -264,6 +355,15 @@ def test_table_of_films_has_every_colour_of_pictures(seed):
         off = np.abs(colours[:, None] - table).max(axis=-1).min(axis=-1)
         # But for rare mixtures of three colours.
         assert (off.max() <= 32, counts[off > 16].sum() < len(pixels) / 1000) == (True, True)
+
+
+def test_each_colour_of_the_table_is_written_as_it_is(run, monkeypatch):
+    canvas = Canvas([run], np.zeros(1), Film(size=64))
+    table = Image.fromarray(colour_table()[None])
+    monkeypatch.setattr(canvas, "frames", lambda: iter([table]))
+    [picture] = canvas.pictures(None)
+    np.testing.assert_array_equal(np.asarray(picture)[0], np.arange(len(colour_table())))
+    np.testing.assert_array_equal(np.asarray(picture.convert("RGB")), np.asarray(table))
 
 
 def test_no_two_bench_colours_look_alike_to_anyone_or_in_grey():

@@ -67,6 +67,15 @@ def saved(run):
     return file.getvalue()
 
 
+def test_velocities_of_frames_that_are_very_near_are_those_of_the_march():
+    steady = np.linspace(0, 2, 41)
+    for near in ([], [2 + 1e-13], [1e-12], [1 + 1e-13, 1 + 2e-13, 1 + 1e-9], [1 + 3e-7, 2 + 1e-10]):
+        states = MARCH.at(np.sort([*steady, *near]))
+        drift = np.zeros(states.poses.shape[:2])
+        run = Run(march=MARCH, times=states.times, poses=states.poses, drift=drift)
+        np.testing.assert_allclose(run.pose_velocities, states.pose_velocities, atol=2e-3)
+
+
 WHOLE = saved(a_run())
 with np.load(io.BytesIO(WHOLE)) as ARCHIVE:
     CONTENTS = dict(ARCHIVE)

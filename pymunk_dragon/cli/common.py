@@ -6,7 +6,7 @@ import json
 import sys
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from decimal import Decimal
 from functools import reduce
 from pathlib import Path
@@ -72,9 +72,10 @@ class _Command(click.Command):
         try:
             return super().invoke(ctx)
         except ParameterError as error:
-            for flag in flags_given(error.name.removeprefix("curve.")):
-                raise ParameterError(flag, error.value, error.bound) from error
-            raise
+            name = _source_of(error)
+            if error.value is None:
+                raise click.UsageError(f"{name} is missing: it must be {error.bound}") from error
+            raise ParameterError(name, error.value, error.bound) from error
 
 
 def command(*examples: str) -> Callable[[Callable[..., Any]], click.Command]:
@@ -94,6 +95,33 @@ def flags_given(*names: str) -> list[str]:
     return [option.opts[0] for option in options if context.get_parameter_source(str(option.name)) is given]
 
 
+def _source_of(error: ParameterError) -> str:
+    """Where the refused value of a parameter comes from: a flag, an argument, or a scenario file."""
+    from pymunk_dragon.model.scenario import parameters
+
+    name = error.name.removeprefix("curve.")
+    if given := flags_given(name):
+        return given[0]
+    context = click.get_current_context()
+    file = context.meta["file"]
+    with suppress(ParameterError):  # Of a table in the file that is none.
+        if name in file_values():
+            return f"{error.name} in {file}"
+    for each in context.command.params:
+        if each.name == name:
+            return each.opts[0]
+        if isinstance(each, click.Argument) and str(each.name).startswith(name):
+            return str(each.metavar).strip("[].")
+    # The function that refuses the value may have another name for it.
+    values = context.params | chosen()
+    for flag in flags_given(*(each for each in values if values[each] == error.value)):
+        return flag
+    if file is not None:
+        return f"{error.name} in {file}"
+    of_scenario = error.value is None or name in parameters()
+    return f"{error.name} of a file for --scenario" if of_scenario else error.name
+
+
 def options(*declared: Callable[[F], F]) -> Callable[[F], F]:
     """Several options of a command as one decorator."""
     return lambda function: reduce(lambda done, option: option(done), reversed(declared), function)
@@ -106,13 +134,25 @@ address_options = options(
     click.option("--allow-host", "allow_hosts", multiple=True, metavar="NAME", help="Name of a proxy; repeatable."),
     click.option("--no-browser", "browser", flag_value=False, default=True, help="Do not open a browser."),
 )
+
+
+def _set_language(context: click.Context, option: click.Parameter, value: str) -> None:
+    """Set the language until the end of the command."""
+    try:
+        context.with_resource(in_language(value))
+    except ParameterError as error:
+        if context.get_parameter_source(str(option.name)) is click.core.ParameterSource.COMMANDLINE:
+            raise ParameterError(option.opts[0], error.value, error.bound) from error
+        raise
+
+
 _LANGUAGE = click.Option(
     ["--lang", "language"],
     metavar="LANG",
     default="en",
     envvar="PYMUNK_DRAGON_LANG",
     expose_value=False,
-    callback=lambda context, option, value: context.with_resource(in_language(value)),
+    callback=_set_language,
     help="Language of results: en or zh.  [PYMUNK_DRAGON_LANG of the environment, or en]",
 )
 json_option = click.option("--json", is_flag=True, help="Print one JSON object and nothing else.")

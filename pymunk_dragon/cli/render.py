@@ -9,10 +9,12 @@ from typing import Any
 import click
 
 from pymunk_dragon._files import check_destination
+from pymunk_dragon._language import text
 from pymunk_dragon.cli import common
 from pymunk_dragon.collision import first_contact
 from pymunk_dragon.drawing import FILM_ENDINGS, OVERLAYS, STILL_ENDINGS, Camera, Film
 from pymunk_dragon.drawing import render as render_film
+from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.player import PLAYER_ENDINGS, write_player
@@ -40,7 +42,7 @@ def _pixels(given: str) -> int | tuple[int, ...]:
 @click.option("--until", type=float, metavar="T", help="Last time, s.  [the run's, or a march's first contact]")
 @click.option("--speedup", type=float, metavar="X", help="Simulated s in 1 s of film.  [slower towards contacts]")
 @click.option("--fps", type=int, metavar="N", help="Frames in a second, at most 60, and 50 in a GIF.  [20]")
-@click.option("--size", type=_pixels, metavar="PIXELS", help="Width and height: 440, or 640x360.  [440]")
+@click.option("--size", type=_pixels, metavar="PIXELS", help="Width and height: 440, or 640x360; even in .mp4.  [440]")
 @click.option("--camera", "follow", type=click.Choice(["field", "head"]), default="field", help="The view.  [field]")
 @click.option("--span", type=float, metavar="M", help="Width of the ground in view, m.")
 @click.option("--hold", type=float, metavar="T", help="How long the last frame stays, s.  [2.5]")
@@ -74,7 +76,18 @@ def _write_film(sources: list[Run | March], path: Path, choices: dict[str, Any])
     camera = Camera(follow=choices.pop("follow"), span=choices.pop("span"))
     given = {name: value for name, value in choices.items() if value is not None}
     with common.progress("render") as show:
-        render_film(sources, path, Film(camera=camera, show=overlays, **given), show)
+        film = Film(camera=camera, show=overlays, **given)
+        try:
+            timing = render_film(sources, path, film, show)
+        except ParameterError as error:
+            if error.name == "show":
+                raise click.UsageError(f"--{error.value} must be {error.bound}") from error
+            raise
+    # Not where only the height of the texts is odd: nobody chose that.
+    if path.suffix.lower() == ".mp4" and any(length % 2 for length in film.shape):
+        width, height = timing.size or film.shape
+        size = text("{path} has {width} x {height} pixels, as the width and height of an MP4 are even")
+        click.echo(size.format(path=path, width=width, height=height), err=True)
 
 
 def _write_page(sources: list[Run | March], path: Path, title: str | None) -> None:

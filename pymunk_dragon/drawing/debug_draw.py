@@ -53,17 +53,20 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import reduce
 from io import BytesIO
+from itertools import chain
 
 import pymunk
 from PIL import Image, ImageDraw
 from pymunk.space_debug_draw_options import SpaceDebugColor as Colour
 
 from pymunk_dragon._arguments import finite
+from pymunk_dragon.drawing import strokes
 from pymunk_dragon.errors import ParameterError
 
 __all__ = ["PillowDrawOptions"]
 
 _Point = tuple[float, float]
+_Arcs = list[list[_Point]]
 
 # Line widths: half the length of a collision mark. Chipmunk's is two units of the space, which may be two metres.
 _COLLISION_MARK = 5.0
@@ -71,6 +74,9 @@ _COLLISION_MARK = 5.0
 _SAMPLES = 2
 # Drawn pixels: ImageDraw also fills the pixels on a polygon's edge, so every radius is smaller by this.
 _EDGE_INSET = 0.4
+# Drawn pixels: the same of round outlines at their inner edge. A circle is larger by 1 / pi on average, and a hole is
+# smaller by as much.
+_HOLE_INSET = 2 / math.pi - _EDGE_INSET
 # Drawn pixels: what reaches farther is not drawn, because ImageDraw has integers of 32 bits.
 _MAX_REACH = 1e9
 # Pixels.
@@ -176,7 +182,8 @@ class PillowDrawOptions(DrawRecorder):
         Whether y increases upwards from the image's lower edge. If False, y increases downwards from the upper edge as
         in `pymunk.pygame_util`.
     line_width : float
-        Width of outlines and lines, pixels, from 1 to 100. Dots and contacts scale with the line width.
+        Width of outlines and lines, pixels, from 1 to 100; at every angle they are as thick, to a quarter of a pixel.
+        Dots and contacts scale with the line width.
 
     Examples
     --------
@@ -275,7 +282,7 @@ def _paint(draw: ImageDraw.ImageDraw, view: pymunk.Transform, line: float, call:
         middle, reach = (points[0] + points[1]) / 2, _COLLISION_MARK * line * (points[1] - points[0]).normalized()
         points = [middle - reach, middle + reach]
     if call.name in ("contact", "line"):
-        draw.line(_pixels(points), fill, width)
+        _paint_line(draw, points, width, fill)
         return
     if call.name == "segment":
         # No segment is thinner than a line.
@@ -284,11 +291,36 @@ def _paint(draw: ImageDraw.ImageDraw, view: pymunk.Transform, line: float, call:
     across = [[y * math.cos(heading) - x * math.sin(heading) for x, y in corners] for heading in headings]
     # An outline would cover a thin shape.
     thin = 2 * radius + min(max(row) - min(row) for row in across) <= 4 * line
-    outline = tuple(map(round, call.outline)) if call.outline and not thin else None
-    draw.polygon(_pixels(_around(corners, headings, max(radius - _EDGE_INSET, 0.0))), fill, outline, width)
-    if call.name == "circle" and outline:
+    roundness = max(radius - _EDGE_INSET, 0.0)
+    outer = _around(corners, headings, roundness, roundness)
+    edge = [_pixels(arc) for arc in outer]
+    if call.name == "segment" and len(corners) == 2:
+        sides = strokes.line(corners[0], corners[1], 2 * radius)
+        edge[0][-1], edge[1][0] = sides[:2]
+        edge[1][-1], edge[0][0] = sides[2:]
+    draw.polygon([*chain(*edge)], fill)
+    if call.outline is None or thin:
+        return
+    outline = tuple(map(round, call.outline))
+    inside = radius - width
+    inner = _around(corners, headings, inside + _HOLE_INSET if inside > 0 else inside, roundness)
+    draw.polygon(_ring(edge, outer, inner, width), outline)
+    if call.name == "circle":
         tip = pymunk.Vec2d(*call.points[0]) + pymunk.Vec2d.from_polar(call.radius, call.angle)
-        draw.line(_pixels([points[0], view @ tip]), outline, width)
+        _paint_line(draw, [points[0], view @ tip], width, outline)
+
+
+def _paint_line(draw: ImageDraw.ImageDraw, ends: Sequence[_Point], width: int, colour: tuple[int, ...]) -> None:
+    """Paint the part of a line that is in the picture or near it: polygons have single precision."""
+    (x, y), (x_end, y_end) = ends
+    first, last = 0.0, 1.0
+    for begin, move, size in ((x, x_end - x, draw.im.size[0]), (y, y_end - y, draw.im.size[1])):
+        # A line that is parallel to an axis cannot leave the picture along the other one.
+        crossings = [(border - begin) / (move or math.ulp(0.0)) for border in (-2 * width, size + 2 * width)]
+        first, last = max(first, min(crossings)), min(last, max(crossings))
+    if first < last and ends[0] != ends[1]:
+        shown = [(x + part * (x_end - x), y + part * (y_end - y)) for part in (first, last)]
+        draw.polygon(strokes.line(shown[0], shown[1], width), colour)
 
 
 def _sides(points: Sequence[pymunk.Vec2d]) -> tuple[list[pymunk.Vec2d], list[float]]:
@@ -300,21 +332,41 @@ def _sides(points: Sequence[pymunk.Vec2d]) -> tuple[list[pymunk.Vec2d], list[flo
     return corners, [(after - corner).angle for corner, after in zip(corners, following, strict=True)]
 
 
-def _around(corners: Sequence[_Point], headings: Sequence[float], distance: float) -> list[_Point]:
-    """Return the polygon at a distance around a point, a line or a convex polygon."""
-    polygon: list[_Point] = []
+def _around(corners: Sequence[_Point], headings: Sequence[float], distance: float, roundness: float) -> _Arcs:
+    """Return the polygon at a distance around a point, a line or a convex polygon, or inside if it is negative.
+
+    There is an arc for each corner, with as many points as a radius of `roundness` needs.
+    """
+    arcs: _Arcs = []
     for i, (x, y) in enumerate(corners):
         turn = (headings[i] - headings[i - 1]) % math.tau
         # At a straight corner, rounding can give an angle just below a full circle. A point has one.
         turn = math.tau if len(corners) == 1 else turn if turn < 1.5 * math.pi else 0.0
         # The chords are within 0.13 drawn pixels of the arc.
-        chords = 1 + int(turn * (1 + math.sqrt(distance)))
+        chords = 1 + int(turn * (1 + math.sqrt(roundness)))
         # The outer normal of a side is a quarter turn clockwise from its heading.
-        angles = [headings[i - 1] - math.pi / 2 + turn * k / chords for k in range(chords + 1)]
-        polygon += [(x + distance * math.cos(angle), y + distance * math.sin(angle)) for angle in angles]
-    return polygon
+        first = headings[i - 1] - math.pi / 2
+        angles, away = [first + turn * k / chords for k in range(chords + 1)], distance
+        if distance < 0:
+            # Where the two sides inside meet.
+            angles, away = [first + turn / 2] * (chords + 1), distance / math.cos(turn / 2)
+        arcs.append([(x + away * math.cos(angle), y + away * math.sin(angle)) for angle in angles])
+    return arcs
 
 
-def _pixels(points: Sequence[_Point]) -> list[tuple[int, int]]:
+def _ring(edge: list[list[strokes.Pixel]], outer: _Arcs, inner: _Arcs, width: int) -> list[strokes.Pixel]:
+    """Return the polygon between two polygons, of which the pixels of the `outer` one are the `edge`."""
+    hole = [_pixels(arc) for arc in inner]
+    # Straight sides have the distance of the line's width from the pixels of the outer ones.
+    for i in range(len(hole) if len(hole) > 1 else 0):
+        after = (i + 1) % len(hole)
+        pairs = ((outer[i][-1], inner[i][-1]), (outer[after][0], inner[after][0]))
+        across = [(inside[0] - outside[0], inside[1] - outside[1]) for outside, inside in pairs]
+        hole[i][-1], hole[after][0] = strokes.parallel([edge[i][-1], edge[after][0]], across, width)
+    outline, inside = [*chain(*edge)], [*chain(*hole)]
+    return [*outline, outline[0], *inside, inside[0]]
+
+
+def _pixels(points: Sequence[_Point]) -> list[strokes.Pixel]:
     """Return points in the coordinates of ImageDraw, whose origin is the centre of the first pixel."""
     return [(round(x - 0.5), round(y - 0.5)) for x, y in points]

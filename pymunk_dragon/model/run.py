@@ -41,6 +41,9 @@ _KINDS: dict[str, Any] = {
     "pose_velocities": np.float32,
     "joint_impulses": np.float32,
 }
+# s: the least time between frames whose difference is a velocity. A rounding error of a position, 1e-14 m, changes the
+# velocity by 1e-7 m/s, as an acceleration of 1 m/s^2 does in this time.
+_LEAST_DIFFERENCE = 1e-7
 # Name and version of the format of files, the only one that is read.
 _FORMAT, _FORMAT_VERSION = "pymunk_dragon run", 2
 # Bytes that a file may unpack to, or this many times its size: packing makes callbacks ten times smaller.
@@ -65,7 +68,8 @@ class Run(ArrayRecord, Displayed):
         Position error of each bench's worse hole, m; nan where the exact model has no state. Single precision, as the
         next two.
     pose_velocities : ndarray, shape (F, N, 3), optional
-        Rates of change of `poses`: m/s, m/s, rad/s. By default differences of the poses.
+        Rates of change of `poses`: m/s, m/s, rad/s. By default differences of the poses; frames that are less than
+        1e-7 s apart have the same.
     joint_impulses : ndarray, shape (F, N - 1), optional
         Size of the impulse in pivot i, of benches i and i + 1, in the substep that ended at the frame, N s.
     events, first_contact : ContactLog and Contact, optional
@@ -318,13 +322,21 @@ def _opened(path: str | Path) -> Iterator[tuple[dict[str, Any], Mapping[str, NDA
 
 
 def _differences(times: Array, poses: Array) -> Array:
-    """Rates of change (F, N, 3) of `poses`, by differences of second order."""
+    """Rates of change (F, N, 3) of `poses`, by differences of second order; of frames that are near, of the first."""
     if times.size < 2 or len(poses) != len(times):
         return np.zeros_like(poses)
+    kept, last = [0], float(times[0])
+    for frame, time in enumerate(times.tolist()):
+        if time - last >= _LEAST_DIFFERENCE:
+            kept.append(frame)
+            last = time
+    if len(kept) == 1:
+        # All of a very short run.
+        kept.append(times.size - 1)
     poses = poses.copy()
     poses[..., 2] = np.unwrap(poses[..., 2], axis=0)
-    rates: Array = np.gradient(poses, times, axis=0, edge_order=2 if times.size > 2 else 1)
-    return rates
+    rates: Array = np.gradient(poses[kept], times[kept], axis=0, edge_order=2 if len(kept) > 2 else 1)
+    return rates[np.searchsorted(times[kept], times, side="right") - 1]
 
 
 def position_errors(dragon: Dragon, poses: Array, exact: Array) -> Array:

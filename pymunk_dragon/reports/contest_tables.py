@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from datetime import datetime
+from io import BytesIO
 from pathlib import Path
+from traceback import clear_frames
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -90,11 +92,13 @@ def _handle_names(handles: int) -> list[str]:
 def _write_sheets(destination: Path, sheets: Mapping[str, tuple[Sequence[str], Sequence[str], Array]]) -> None:
     """Write worksheets (labels of columns, labels of rows, values) as a workbook with reproducible bytes."""
     xlsxwriter = library("xlsxwriter")
+    # A `ZipFile` that cannot write its end when it is deleted prints an error; to memory it can.
+    content = BytesIO()
     with written_in_place(destination) as draft:
         # Rows are flushed to a temporary file: a table of many times would fill the memory.
         options = {"constant_memory": True, "tmpdir": str(draft.parent)}
         try:
-            with xlsxwriter.Workbook(str(draft), options) as book:
+            with xlsxwriter.Workbook(content, options) as book:
                 book.set_properties({"created": _CREATED, "author": "pymunk_dragon"})
                 for title, (labels, names, values) in sheets.items():
                     sheet, number = book.add_worksheet(title), book.add_format({"num_format": "0.000000"})
@@ -108,7 +112,10 @@ def _write_sheets(destination: Path, sheets: Mapping[str, tuple[Sequence[str], S
                         sheet.write_string(row, 0, names[row - 1])
                         sheet.write_row(row, 1, cells.tolist(), number)
         except xlsxwriter.exceptions.FileCreateError as error:
+            # The `ZipFile` is in a frame of the error; it is deleted here, before `content`.
+            clear_frames(error.args[0].__traceback__)
             raise error.args[0] from error
+        draft.write_bytes(content.getbuffer())
 
 
 def _truncated(value: float) -> str:

@@ -16,8 +16,8 @@ import numpy as np
 from PIL import Image
 
 from pymunk_dragon._arguments import finite
-from pymunk_dragon._files import check_destination, written_in_place
-from pymunk_dragon.drawing.film.formats import WRITERS, Frames
+from pymunk_dragon._files import check_destination, passed_on, written_in_place
+from pymunk_dragon.drawing.film.formats import WRITERS, Frames, written_size
 from pymunk_dragon.drawing.film.layout import Canvas
 from pymunk_dragon.drawing.film.settings import Film, checked_sources, shared_window
 from pymunk_dragon.drawing.film.timing import Timing
@@ -53,7 +53,8 @@ def render(
     Returns
     -------
     Timing
-        Times of the frames.
+        Times of the frames, and `size`: width and height of the film or picture with its texts, pixels. An MP4 has even
+        ones: the last column of an odd width and the last row of an odd height are left out.
 
     Raises
     ------
@@ -64,7 +65,7 @@ def render(
     MissingExtraError
         If the film is an MP4 and FFmpeg is not installed.
     OutputError
-        If writing fails.
+        If writing fails. An error that `progress`, or a curve of your own, raises is not changed.
 
     Examples
     --------
@@ -72,6 +73,8 @@ def render(
     >>> timing = render(March(Dragon(benches=16)), "march.gif", size=320, until=60, title="16 benches")
     >>> timing.fps, float(timing.ends[-1])  # frames per second, and length of the film in s
     (20, 8.0)
+    >>> timing.size  # with the title above and the legend below
+    (320, 381)
     """
     film = replace(film or Film(), **parameters)
     sources = checked_sources(source)
@@ -81,13 +84,15 @@ def render(
         film = replace(film, start=film.window(sources)[1])
     timing = film.timing(sources)
     canvas = Canvas(sources, timing.times, film)
-    frames = Frames(pictures=canvas.pictures(progress), ends=timing.ends.tolist(), size=canvas.size, fps=timing.fps)
+    pictures = passed_on(canvas.frames() if ending in STILL_ENDINGS else canvas.pictures(progress))
+    size = written_size(ending, canvas.size)
+    frames = Frames(pictures=pictures, ends=timing.ends.tolist(), size=size, fps=timing.fps)
     with written_in_place(destination) as draft:
         if ending in STILL_ENDINGS:
-            draft.write_bytes(_png(next(canvas.frames())))
+            draft.write_bytes(_png(next(pictures)))
         else:
             WRITERS[ending](draft, frames)
-    return timing
+    return replace(timing, size=size)
 
 
 def still_png(source: Source | Sequence[Source], time: float, film: Film | None = None) -> bytes:

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from logging import ERROR, getLogger
 from pathlib import Path
 
-import numpy as np
 from PIL import GifImagePlugin, Image, ImageChops
 
 from pymunk_dragon._extras import library
@@ -28,9 +27,8 @@ _KEEP = 1
 # benches on 2 cores; the default preset takes 14 ms and saves a seventh. One thread makes the file independent of the
 # number of cores; a look-ahead of 5 frames saves memory.
 _QUALITY = "-crf 18 -preset veryfast -x264-params rc-lookahead=5 -threads 1"
-# FFmpeg filters: chroma at half resolution needs even sizes; the colour space is BT.709 and is written to the file, so
-# that players need not guess.
-_FILTERS = "crop=floor(iw/2)*2:floor(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv"
+# FFmpeg filters: the colour space is BT.709 and is written to the file, so that players need not guess.
+_FILTERS = "scale=out_color_matrix=bt709:out_range=tv"
 _FILTERS += ",setparams=color_primaries=bt709:color_trc=bt709:colorspace=bt709"
 # FFmpeg options: the index before the data, so that a browser can play an incomplete download; and no encoder version
 # or date in the file.
@@ -42,7 +40,8 @@ class Frames:
     """Frames of a film, which can be read once.
 
     The F `pictures` (mode P) have one table of at most 255 colours, and are drawn while they are read; `ends` (F,) are
-    the film times, s, until which they are shown. `size` is in pixels, `fps` the number of frames per second.
+    the film times, s, until which they are shown. `size` is that of the film, pixels, for which pictures are cropped;
+    `fps` is the number of frames per second.
     """
 
     pictures: Iterator[Image.Image]
@@ -54,6 +53,17 @@ class Frames:
         """Return how long each frame is shown, in units of 1 / `ticks` s, such that rounding does not accumulate."""
         ends = [round(end * ticks) for end in self.ends]
         return [end - start for start, end in zip([0, *ends], ends, strict=False)]
+
+
+def written_size(ending: str, size: tuple[int, int]) -> tuple[int, int]:
+    """Return the size, pixels, of pictures of a size in a file with an ending.
+
+    An MP4 has colours at half of the resolution, so its sizes are even.
+    """
+    if ending != ".mp4":
+        return size
+    width, height = size
+    return width - width % 2, height - height % 2
 
 
 def _write_gif(path: Path, frames: Frames) -> None:
@@ -91,11 +101,11 @@ def _write_mp4(path: Path, frames: Frames) -> None:
         try:
             with signals_held():  # Those of a fork cannot be raised.
                 writer.send(None)
-        except (RuntimeError, OSError) as error:
+        except (RuntimeError, FileNotFoundError, PermissionError) as error:
             raise MissingExtraError("an MP4", "mp4") from error
         try:
             for picture, count in zip(frames.pictures, counts, strict=True):
-                pixels = np.asarray(picture.convert("RGB")).tobytes()
+                pixels = picture.crop((0, 0, *frames.size)).convert("RGB").tobytes()
                 for _ in range(count):
                     writer.send(pixels)
             writer.close()

@@ -32,6 +32,8 @@ _GUTTER = 2
 _FIELD_BORDER = 0.01
 # Pixels: a narrower picture has no legend.
 _LEGEND_WIDTH = 300
+# Pixels: largest height of an H.264 stream that FFmpeg writes. Only texts in hundreds of lines are higher.
+_MAX_HEIGHT = 16_384
 # Largest length of a scale bar, as a fraction of the width of a scene.
 _MAX_SCALE_BAR = 0.2
 
@@ -60,6 +62,9 @@ class Canvas:
         parts = [*above, Image.new("RGB", (total, height), COLOURS.curve), *below]
         *tops, bottom = accumulate((part.height for part in parts), initial=0)
         self._top, self.size = tops[len(above)], (total, bottom)
+        if bottom > _MAX_HEIGHT:
+            name, longest = max(film.texts(headings), key=lambda each: len(each[1]))
+            raise ParameterError(name, longest, f"shorter: the film is {bottom} pixels high, and at most {_MAX_HEIGHT}")
         self._frame = Image.new("RGB", self.size, COLOURS.background)
         for part, top in zip(parts, tops, strict=True):
             self._frame.paste(part, (0, top))
@@ -160,7 +165,7 @@ def _model(source: Source) -> str:
 
 
 def _row(parts: Sequence[Image.Image], width: int) -> Image.Image:
-    """Return pictures of one height side by side, cropped or filled to a width."""
+    """Return pictures side by side, cropped or filled to a width."""
     row, left = Image.new("RGB", (width, parts[0].height), COLOURS.background), 0
     for part in parts:
         row.paste(part, (left, 0))

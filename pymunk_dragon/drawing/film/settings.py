@@ -26,6 +26,10 @@ _SIZES = 64, 2048
 _MAX_FRAMES = 20_000
 # s: a longer one is taken for a typing error.
 _MAX_HOLD = 60.0
+# s: thirty years, the longest time of a march whose curve has no end.
+_MAX_TIME = 1e9
+# Characters of a text: more are higher than a film.
+_MAX_TEXT = 10_000
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,7 +43,8 @@ class Film:
     speedup : float, optional
         Simulated seconds per second of film. By default the film slows down towards near misses and contacts.
     size : int or tuple of int
-        Width and height, pixels; one number for a square.
+        Width and height of the picture without texts, pixels; one number for a square. An MP4 leaves out the last
+        column or row that would make the size of the film odd.
     start, until : float, optional
         Simulated time of the first and the last frame, s. By default a film with a constant speed begins with the run,
         any other late enough to be 11 s long, and both end with the run. A march requires `until`.
@@ -98,8 +103,8 @@ class Film:
         for overlay in self.show:
             word("show", overlay, OVERLAYS)
         for name, text in self.texts(self.headings):
-            if not isinstance(text, str):
-                raise ParameterError(name, text, "a text")
+            if not (isinstance(text, str) and len(text) <= _MAX_TEXT):
+                raise ParameterError(name, text, f"a text of at most {_MAX_TEXT} characters")
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -128,7 +133,7 @@ class Film:
         """Return the first and last time that the film may show, s; errors as in `timing`."""
         begin, end = shared_window(sources)
         # Without a run, nothing says where a film ends.
-        start, until = (0.0, None) if begin == -math.inf else (begin, end)
+        start, until = (0.0, None) if begin == -_MAX_TIME else (begin, end)
         start = finite("start", start if self.start is None else self.start, begin, end, "s")
         return start, finite("until", until if self.until is None else self.until, start, end, "s")
 
@@ -137,7 +142,7 @@ def shared_window(sources: Sequence[Source]) -> tuple[float, float]:
     """Return the time interval, s, in which all sources can be shown; a run that has ended keeps its last frame."""
     runs = [source.times[[0, -1]] for source in sources if isinstance(source, Run)]
     if not runs:
-        return -math.inf, min(march_of(source).end for source in sources)
+        return -_MAX_TIME, min(_MAX_TIME, *(march_of(source).end for source in sources))
     begins, ends = np.transpose(runs).tolist()
     return max(begins), max(ends)
 

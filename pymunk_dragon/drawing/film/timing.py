@@ -36,11 +36,15 @@ _POINTS = 20_001
 
 @dataclass(frozen=True)
 class Timing:
-    """Simulated times (F,) of the frames of a film, s; frames per second; and how long the last frame stays, s."""
+    """Simulated times (F,) of the frames of a film, s; frames per second; and how long the last frame stays, s.
+
+    `size` is the width and height of the film in its file, pixels; None before it is written.
+    """
 
     times: Array
     fps: int
     hold: float
+    size: tuple[int, int] | None = None
 
     @property
     def ends(self) -> Array:
