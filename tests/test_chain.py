@@ -6,9 +6,28 @@ import pickle
 import numpy as np
 import pytest
 from chain_follower import follow, random_path
-from conftest import refusal
+from conftest import examples, refusal
+from hypothesis import given
+from hypothesis import strategies as st
+from marches import DRAWN, bent
+from test_curve_kinds import LogarithmicSpiral
 
-from pymunk_dragon import Arc, Composite, Dragon, Line, March, Sampled, SpeedTable, Spiral, UnreachableError, UTurn
+from pymunk_dragon import (
+    Arc,
+    Composite,
+    Dragon,
+    Line,
+    March,
+    Run,
+    Sampled,
+    SpeedTable,
+    Spiral,
+    UnreachableError,
+    UTurn,
+    first_contact,
+    scan,
+    simulate,
+)
 from pymunk_dragon.model import chain
 
 # Along the x axis, round and back above it at a height of 2 m, and up: a bench of 3 m stands on three of the lines.
@@ -108,6 +127,43 @@ def test_states_do_not_depend_on_the_order_of_questions():
             assert np.array_equal(same.motion_or_nan(times).handles_s, expected)
         first, second = expected[:1], expected[1:2]
         assert np.array_equal(march.continuation.ranges(first, second), alone.continuation.ranges(first, second))
+
+
+MOVING = [
+    March(Dragon(benches=3), bent(20, 1.3, np.pi, 20), start_s=23.0),
+    March(Dragon(benches=6), UTurn(ratio=3.0)),
+    March(Dragon(benches=4), DRAWN, start_s=20.0),
+    March(Dragon(benches=3, head_spacing=2.0, body_spacing=1.0), Spiral(pitch=2.5), turns=2),
+    March(BENCH, HOOK, start_s=RISE + 2),
+    March(Dragon(benches=3, head_spacing=0.5, body_spacing=0.3, overhang=0.05, width=0.1), LogarithmicSpiral()),
+]
+# Coordinates, certificates and runs, at times around the start at which benches may be pushed back.
+CALLS = {
+    "at the start": lambda march: march.motion_or_nan(0.0),
+    "later": lambda march: march.motion_or_nan([0.0, 0.3, 1.7]),
+    "earlier": lambda march: march.motion_or_nan([-0.2, 0.0, -1.1]),
+    "fewer": lambda march: march.motion_or_nan([1.1, 0.0], 2),
+    "far": lambda march: march.motion_or_nan(3.3),
+    "contact": lambda march: plain(first_contact, march, until=1.0),
+    "scan": lambda march: plain(scan, march, until=1.0, step=0.3),
+    "engine": lambda march: plain(simulate, march, until=0.2, contacts="report"),
+}
+
+
+def plain(function, march, **options):
+    """Values of a result that are equal if all their digits are."""
+    found = function(march, **options)
+    return [found.times, found.poses, found.drift] if isinstance(found, Run) else [repr(found.to_dict())]
+
+
+@examples(30)
+@given(st.sampled_from(MOVING), st.sampled_from(sorted(CALLS)), st.lists(st.sampled_from(sorted(CALLS)), max_size=4))
+def test_no_digit_depends_on_earlier_calls(march, name, earlier):
+    fresh, used = (March(march.dragon, march.curve, start_s=march.head_start) for _ in range(2))
+    for call in earlier:
+        CALLS[call](used)
+    for found, expected in zip(CALLS[name](used), CALLS[name](fresh), strict=True):
+        np.testing.assert_array_equal(found, expected)
 
 
 def test_ranges_near_the_centre_of_a_spiral_contain_a_handle_that_reverses_there():

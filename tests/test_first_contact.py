@@ -12,13 +12,13 @@ from chain_follower import random_path
 from conftest import NO_NUMBERS, examples, refusal
 from hypothesis import assume, given, reject
 from hypothesis import strategies as st
-from marches import bent
+from marches import DRAWN, bent
 
-from pymunk_dragon import Contact, Dragon, March, first_contact, max_speed, outlines, scan, simulate
+from pymunk_dragon import Contact, Dragon, March, SpeedTable, first_contact, max_speed, outlines, scan, simulate
 from pymunk_dragon.collision.bounds import UNPROVEN_ROUNDING, Intervals, MotionBounds
 from pymunk_dragon.collision.first_contact import _near_misses
 from pymunk_dragon.errors import DragonError, ParameterError, UnreachableError
-from pymunk_dragon.model.curves import Arc, Composite, Line, Sampled, Spiral, sampled
+from pymunk_dragon.model.curves import Arc, Composite, Line, Reversed, Sampled, Section, Spiral, UTurn, sampled
 from pymunk_dragon.physics.callbacks import Motion
 
 SIZES = ("head_spacing", "body_spacing", "overhang", "width")
@@ -194,6 +194,37 @@ def test_march_past_the_last_place_is_unreachable_there(seed_impact):
     # No near miss is searched where the chain has no state.
     assert _near_misses(STUCK[0], np.array([[0, 2, last - 1e-10, 2e-10, 0.001, 0]]), 0, last, 0.01) == ()
     assert first_contact(March(Dragon(benches=2), turns=4)).status == "unreachable"
+
+
+ENDING = [
+    March(Dragon(benches=5), Line(stop=(40, 0))),
+    March(Dragon(benches=5), Line(stop=(40, 0)), speed=SpeedTable([0, 9, 20], [0.7, 2, 1.1])),
+    March(Dragon(benches=3, head_spacing=1.5, body_spacing=1.0), bent(9, 4.0, 2.0, 3.3)),
+    March(Dragon(benches=4), DRAWN),
+    March(Dragon(benches=4), Reversed(Section(Spiral(pitch=2.0), -60.0, -20.0))),
+    March(Dragon(benches=6), Section(UTurn(), -30.0, 33.3), start_s=9.0),
+]
+
+
+@pytest.mark.parametrize("march", ENDING)
+def test_a_curve_is_marched_to_its_end_and_no_further(march):
+    """With one answer of the certificate, the scan and the engine."""
+    end = march.end
+    start = end - 2.0
+    assert np.isfinite(march.at(end).positions).all()
+    for until, status in (
+        (None, "clear"),
+        (end, "clear"),
+        (np.nextafter(end, np.inf), "clear"),
+        (end * (1 + 1e-13), "clear"),
+        (end - 1e-3, "clear"),
+        (end + 1e-3, "unreachable"),
+        (end + 1e6, "unreachable"),
+    ):
+        run = simulate(march, start=start, until=until)
+        found = [first_contact(march, start=start, until=until), scan(march, start=start, until=until)]
+        assert [run.outcome, *(each.status for each in found)] == 3 * [status], until
+        assert end - run.settings.substep - 1e-9 <= run.times[-1] <= end + 1e-9
 
 
 def test_benches_that_overlap_at_the_start_are_said_to():

@@ -11,7 +11,20 @@ from conftest import NO_NUMBERS, assert_says, refusal
 from marches import DRAWN, HAIRPIN, TABLE
 from sharing import shared_run
 
-from pymunk_dragon import Arc, Dragon, EngineSettings, Line, March, PathGuide, Run, UTurn, World, simulate
+from pymunk_dragon import (
+    Arc,
+    Dragon,
+    EngineSettings,
+    Line,
+    March,
+    PathGuide,
+    Run,
+    Section,
+    Spiral,
+    UTurn,
+    World,
+    simulate,
+)
 from pymunk_dragon.errors import DragonError, UnreachableError
 from pymunk_dragon.physics import Rails
 from pymunk_dragon.physics.callbacks import Recorder
@@ -345,6 +358,18 @@ def test_run_ends_where_the_curve_leaves_the_head_no_place():
     run = simulate(March(Dragon(benches=3, head_spacing=1.0, body_spacing=2.6, width=0.02)), start=430.0)
     assert np.isnan(run.drift[-1]).tolist() == [False, True, True]
     assert np.isfinite(run.max_drift)
+
+
+@pytest.mark.parametrize("contacts", ["report", "resolve"])
+def test_no_run_is_longer_than_the_march_to_the_end_of_the_curve(contacts):
+    # The head is held up by bench 8, and is not at the end of its curve by then.
+    march = March(Dragon(benches=16), Section(Spiral(), -500.0, -28.0), start_s=-31.0)
+    for until in (None, march.end, 1e9):
+        run = simulate(march, contacts=contacts, until=until, frame_interval=0.1)
+        assert march.end - 0.05 < run.times[-1] < march.end + 0.05
+    straight = March(Dragon(benches=3), Line(stop=(12, 0)))
+    run = simulate(straight, contacts=contacts, until=1e9)
+    assert (run.outcome, run.times[-1]) == ("unreachable", pytest.approx(straight.end, abs=0.05))
 
 
 def test_signals_and_errors_during_a_step_are_raised_after_it(monkeypatch):

@@ -67,11 +67,33 @@ def test_dragon_gets_round_both_turns_without_touching_itself(answer):
 
 def test_the_ratios_are_the_largest_seen_and_the_shortest_turn_has_no_larger_one(answer):
     for turn in (answer.contests, answer.shortest):
-        seen, way = scanned(turn.march.dragon, turn.path, -3.0, 40.0, 0.05)
-        near, _ = scanned(turn.march.dragon, turn.path, way - 0.06, way + 0.06, 1e-3)
-        assert max(seen, near) == pytest.approx(turn.ratio, abs=1e-3)
+        _, way = scanned(turn.march.dragon, turn.path, -3.0, 40.0, 0.05)
+        _, way = scanned(turn.march.dragon, turn.path, way - 0.06, way + 0.06, 1e-3)
+        near, _ = scanned(turn.march.dragon, turn.path, way - 2e-3, way + 2e-3, 4e-6)
+        assert turn.excess <= 1e-11
+        assert turn.ratio - 1e-5 < near <= turn.ratio * (1 + 1e-11)
     assert answer.shortest.ratio <= answer.contests.ratio
     assert answer.shortest.ratio == pytest.approx(answer.contests.ratio, rel=1e-3)
+
+
+def test_the_largest_ratio_of_a_turn_is_no_sample_of_it():
+    """A peak of millimetres: in 4.275 m samples every 1.2 mm see 5.23, and in 4.27 m 16.4; rounding counts there."""
+    for radius in (4.275, 4.27):
+        found, certified = u_turn(radius=radius, search=False).contests, max_speed(radius=radius)
+        assert (found.ratio, found.excess) == (certified.ratio, certified.excess)
+        ways = certified.distance + np.linspace(-1e-6, 1e-6, 101)
+        seen = March(Dragon(benches=12), UTurn(radius=radius)).at(ways).speeds.max()
+        assert found.ratio * (1 - 1e-4) < seen <= found.ratio * (1 + found.excess)
+        assert found.to_dict()["peak_speed_ratio"] == found.ratio
+
+
+def test_ratio_of_differing_benches_is_said_to_be_a_sample():
+    found = u_turn(Dragon(body_spacing=[1.65, 1.5, 1.65]), search=False)
+    assert (found.contests.excess, found.to_dict()["peak_speed_excess"]) == (None, None)
+    assert "at least 1.5967" in str(found)
+    # Where the last bench of many may be the fastest, both ends of the enclosure are printed.
+    wide = u_turn(Dragon(head_spacing=1.65), search=False)
+    assert "1.1131 to 1.1322" in str(wide)
 
 
 def test_shortest_turn_has_five_arcs_and_stays_in_the_circle(answer):
@@ -134,7 +156,7 @@ def test_the_speed_is_the_limit_over_the_ratio(limit, answer):
     assert fast.max() == pytest.approx(2, abs=1e-8)
     assert fast[list(limit.handles)] == pytest.approx(np.full(len(limit.handles), 2.0), abs=1e-8)
     assert max_speed(limit=1.0).speed == pytest.approx(limit.speed / 2, rel=1e-15)
-    assert limit.ratio - 1e-6 < answer.contests.ratio <= limit.ratio * (1 + 1e-12)
+    assert answer.contests.ratio == limit.ratio
 
 
 def test_nobody_is_faster_however_long_one_looks(limit):
@@ -161,7 +183,7 @@ def test_other_dragons_and_turns_are_as_fast_as_a_scan_sees():
         end = found.curve.joints[-1] + min(float(dragon.spacings.sum()), 60.0)
         coarse, way = scanned(dragon, found.curve, -3.0, end, 0.05)
         near, _ = scanned(dragon, found.curve, way - 0.06, way + 0.06, 1e-4)
-        assert found.excess <= 1e-11, found
+        assert found.excess <= 1e-10, found
         assert found.ratio * (1 - 1e-6) < max(coarse, near, 1.0) <= found.ratio * (1 + 1e-11), found
         assert dragon is not last_is_fastest or found.handle == 25
 

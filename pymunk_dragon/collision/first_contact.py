@@ -87,7 +87,7 @@ def first_contact(
     march : March
         The motion.
     start, until : float
-        Times of the search, s; without `until`, to the end of the curve.
+        Times of the search, s. It ends where the curve does; without `until`, it goes on to there.
     progress : callable, optional
         Called with the time up to which the march is cleared, and with `until`, s.
 
@@ -114,9 +114,11 @@ def first_contact(
     march.handles_s(start)  # An error names the time of this march.
     steady = march.steady()
     begin, end = march.distance([start, until]).tolist()
+    # Not beyond the end of the curve by rounding.
     if until == march.end:
-        # Not beyond it by rounding.
         end = steady.end
+    elif until < march.end:
+        end = min(end, steady.end)
 
     def report(cleared: float) -> None:
         if progress is not None:

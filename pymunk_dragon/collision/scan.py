@@ -42,7 +42,8 @@ def scan(
     march : March
         The motion.
     start, until : float
-        Times of the first and the last sample, s; without `until`, the last is at the end of the curve.
+        Times of the first and the last sample, s. The last one is no later than the end of the curve, and without
+        `until` it is there.
     step : float
         Time between samples, s. The paper gives the second in which the dragon collides.
     progress : callable, optional

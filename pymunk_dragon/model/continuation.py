@@ -54,7 +54,9 @@ _MAX_CELLS = 100_000
 class Continuation:
     """States of a chain with spacings (N,) that moves continuously from where `Curve.chain` has it for `head`, m.
 
-    No result depends on earlier calls: what is kept between calls is extended in the same steps for all.
+    No result depends on earlier calls, not even in its last digits: the cells that are kept between calls are the same
+    whichever call needs them first, and each coordinate is computed from one cell. The other heads of a call, and the
+    number of handles, may change the last digits, as Newton's method goes on until all have converged.
     """
 
     def __init__(self, curve: Curve, head: float, spacings: Array) -> None:
@@ -167,7 +169,8 @@ class _Branch:
     def __init__(self, curve: Curve, chord: float, front: float, rear: float) -> None:
         self._curve, self._chord, self._start = curve, chord, (front, rear)
         # By direction: the state reached last, None where the function ends, and the cells, each with the coordinate at
-        # which it ends and a bracket of the rear handle's.
+        # which it ends and a bracket of the rear handle's. A cell includes the end that is farther from the start: at
+        # the other one, the cell before it is known already. So more cells never change what is found.
         self._tips: dict[int, tuple[float, float] | None] = {-1: self._start, 1: self._start}
         self._cells: dict[int, list[tuple[float, float, float]]] = {-1: [], 1: []}
         # Coordinates of both handles at reversals; fronts between which there may be one, and how far two of them there
@@ -188,9 +191,13 @@ class _Branch:
 
     def rear(self, fronts: Array) -> Array:
         """Coordinates (T,) of the rear handle, m; nan outside of what is covered."""
-        cells = np.searchsorted(self._edges, fronts, side="right") - 1
-        inside = (cells >= 0) & (fronts <= self._edges[-1])
-        low, high = self._brackets[np.clip(cells, 0, len(self._brackets) - 1)].T
+        edges, start = self._edges, self._start[0]
+        # The bracket of the start stands between those of the cells to its left and to its right.
+        cells = np.searchsorted(edges, fronts, side="left")
+        left = fronts < start
+        cells[left] = np.searchsorted(edges, fronts[left], side="right") - 1
+        inside = (fronts >= edges[0]) & (fronts <= edges[-1])
+        low, high = self._brackets[np.clip(cells, 0, len(edges) - 1)].T
         shortest, longest, _ = gentle_offsets(self._curve, fronts, self._chord)
         shortest = np.where(np.isnan(low), shortest, fronts - high)
         longest = np.where(np.isnan(low), longest, fronts - low)
@@ -217,20 +224,24 @@ class _Branch:
         self.cover(lows.min(), highs.max())
         found = np.zeros(lows.shape)
         for low, high, hidden in self._possible_reversals:
-            found = np.where((lows <= high) & (highs >= low), np.maximum(found, hidden), found)
+            # A cell that is only touched adds nothing, so it does not matter whether it is known.
+            found = np.where((lows < high) & (highs > low), np.maximum(found, hidden), found)
         return found
 
     def _join(self) -> None:
         """Join the cells of both directions into arrays."""
         left, right = self._cells[-1][::-1], self._cells[1]
         self._edges = np.array([*(cell[0] for cell in left), self._start[0], *(cell[0] for cell in right)])
-        # Before it is followed anywhere, the function is known at the start only.
-        self._brackets = np.array([cell[1:] for cell in left + right] or [(self._start[1], self._start[1])])
+        known = self._start[1], self._start[1]
+        self._brackets = np.array([*(cell[1:] for cell in left), known, *(cell[1:] for cell in right)])
 
     def _extended(self, front: float, rear: float, direction: int, aim: float) -> tuple[float, float] | None:
         """Append gentle cells up to the one with `aim`, or one cell that is proven; the state at the end."""
         cells, end = self._cells[direction], self._gentle_run(front, rear, direction, aim)
         if end != front:
+            if cells and np.isnan(cells[-1][1]):
+                # One cell, however many calls it took to get to its end.
+                cells.pop()
             cells.append((end, np.nan, np.nan))
             rear = float(rear_handle(self._curve, np.array([end]), self._chord)[0])
             return None if np.isnan(rear) else (end, rear)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -35,6 +36,8 @@ from pymunk_dragon.model.speed import MAX_SPEED, MIN_SPEED, SpeedTable
 _MAX_RETREAT = 1e5
 # m between a curve's begin and the last handle of a dragon that starts there: a thousand rounding errors.
 _CLEAR_OF_BEGIN = 1e-9
+# Share of a time, and s: sums of steps may be later than the end of the curve by some thousand rounding errors.
+_SAME_TIME = 1e-12
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -244,6 +247,9 @@ class March(Displayed):
     def at(self, times: ArrayLike, handles: int | None = None) -> States:
         """Exact states of the first `handles` (all by default) at `times` (T,) in s.
 
+        Earlier calls change nothing. The other times of a call, and the number of handles, may change the last digits:
+        positions by some 1e-13 m.
+
         A time may be so early that the head is 100 km before its start. Where continuous motion has ended for a handle,
         an UnreachableError has the first such time, and the first such handle then.
         """
@@ -321,7 +327,10 @@ def check_march(value: object) -> None:
 
 
 def checked_times(march: March, start: float, until: float | None) -> tuple[float, float]:
-    """Both as floats, `until` by default the end of the curve; a `ParameterError` if `until` is not after `start`."""
+    """Both as floats; a `ParameterError` if `until` is not after `start`.
+
+    By default, and where it is later than that by rounding only, `until` is the end of the curve.
+    """
     check_march(march)
     start = finite("start", start, -np.inf, np.inf, "s")
     if until is None:
@@ -333,4 +342,6 @@ def checked_times(march: March, start: float, until: float | None) -> tuple[floa
     until = finite("until", until, -np.inf, np.inf, "s")
     if until <= start:
         raise ParameterError("until", until, f"later than the start, {start:g} s")
+    if until > march.end and math.isclose(until, march.end, rel_tol=_SAME_TIME, abs_tol=_SAME_TIME):
+        return start, march.end
     return start, until

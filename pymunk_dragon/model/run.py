@@ -209,12 +209,12 @@ class Run(ArrayRecord, Displayed):
 
     @property
     def head_drift(self) -> float:
-        """Largest drift of the first twelve benches, m."""
+        """Largest drift of the first twelve benches in a frame, m."""
         return float(np.fmax.reduce(self.drift[:, :HEAD_BENCHES], axis=None, initial=np.nan))
 
     @property
     def max_drift(self) -> float:
-        """Largest drift of any bench, m."""
+        """Largest drift of any bench in a frame, m; between frames it may be larger."""
         return float(np.fmax.reduce(self.drift, axis=None, initial=np.nan))
 
     def poses_at(self, times: ArrayLike) -> Array:

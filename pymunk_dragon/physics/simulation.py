@@ -58,7 +58,9 @@ def simulate(
     guide : {"rails", "none"} or PathGuide
         Whether dancers keep every hole on the curve, or the head only pulls; or a guide of your own.
     start, until : float
-        Simulated times, s. Without `until` the run goes on to the end of the curve, if nothing stops it.
+        Simulated times, s. The run ends with the first substep that reaches `until`. Without `until`, and at the
+        latest, it ends at the time `march.end`, also if contacts have held the head up; on a curve that ends, with the
+        last whole substep before its end.
     on_event : callable, optional
         Called with each `ContactEvent`; what it raises is raised from here after the substep.
     progress : callable, optional
@@ -128,11 +130,12 @@ class _Loop:
         return self._world.start + self.substeps * self._world.substep
 
     def play(self, until: float, progress: Callable[[float, float], None] | None) -> None:
-        """Step until `until` s, the end of the curve, or the first contact if it ends the run."""
+        """Step until `until` s, the end of the march, or the first contact if it ends the run."""
         world, settings = self._world, self._world.settings
         interval = settings.frame_interval or _FRAME_STRIDE / world.top_speed
         per_frame = max(1, round(interval / world.substep))
-        total = max(1, math.ceil((until - world.start) / world.substep - _LAST_SUBSTEP))
+        end = min(until, world.march.end)
+        total = max(1, math.ceil((end - world.start) / world.substep - _LAST_SUBSTEP))
         track = _waiting_head if settings.contacts == "resolve" else _exact_head
         begin = perf_counter()
         # A chain that flies apart is found by `_record`, in the next frame; until then NumPy need not warn of it.
@@ -148,10 +151,15 @@ class _Loop:
                         progress(self.time, until)
             else:
                 self._record(self.time, world.poses, world.velocities)
-                self.outcome = "clear" if self.substeps == total else "unreachable"
+                self.outcome = "unreachable" if self._lost(until) else "clear"
         if self.first_contact is not None:
             self.outcome = "contact"
         self.wall_seconds = perf_counter() - begin
+
+    def _lost(self, time: float) -> bool:
+        """Whether the march has no state of the head at a time, s."""
+        handles_s = self._world.march.motion_or_nan(time, handles=2).handles_s
+        return bool(np.isnan(handles_s).any())
 
     def _step(self) -> None:
         """Make a substep; the contact that ends the run becomes a frame."""

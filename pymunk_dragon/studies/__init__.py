@@ -18,7 +18,7 @@ the turn:  13.621245 m on arcs of 3.005418 and 1.502709 m,
            about (-0.760009, -1.305726) and (1.735932, 2.448402) m;
            as long with any other ratio of the radii
 certified: no contact until t = 100 s
-sampled:   no handle more than 1.6048 times as fast as the head
+           the fastest handle is 1.6048 times as fast as the head
 $ pymunk-dragon study max-speed
 largest speed of the head 1.2462663582 m/s: no handle exceeds 2 m/s
 limit:     handles 3 to 7 go 1.6047933790 times as fast as the head
@@ -41,8 +41,8 @@ The contest's own sheets are written by `positions --times 0:300:1 -o result1.xl
 - **The turn.** Two arcs that touch both spirals and each other turn by the same angle, so the length does not depend
   on the ratio of their radii. More arcs make the turn shorter. `study u-turn`, without `--no-search`, searches turns
   on five arcs by sequential linear programming with SciPy (`pip install 'pymunk-dragon[studies]'`), such that no handle
-  goes faster, relative to the head, than on the contest's own turn; these speeds are sampled every 1.2 mm of the head's
-  travel. The first contact of the result is certified. The problem is not convex: the result, 10.4947 m if no radius is
+  goes faster, relative to the head, than on the contest's own turn. The first contact and the largest speed of the
+  result are certified. The problem is not convex: the result, 10.4947 m if no radius is
   below 0.5 m, is the best turn that was found, and no proof shows that there is no shorter one. The straight line
   across is 9 m.
 - **The largest speed.** Branch and bound over the distance of the head, with derivatives from interval arithmetic: no

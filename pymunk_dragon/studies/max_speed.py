@@ -27,11 +27,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pymunk_dragon._arguments import Array, finite
+from pymunk_dragon._arguments import Array, as_vectors, finite
 from pymunk_dragon._language import text
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model import chain
-from pymunk_dragon.model.curves import UTurn
+from pymunk_dragon.model.curves import Composite, UTurn
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.speed import MAX_SPEED, MIN_SPEED
@@ -45,8 +45,10 @@ _INTERVAL, _MIN_INTERVAL = 1 / 16, 1e-12
 # Initial intervals times benches up to which a whole dragon is followed through the turn: some seconds of work.
 _WORK = 100_000
 # Relative width of the enclosure: the search takes longer below it. Relative difference up to which the speeds of two
-# handles count as equal, several of these widths; and relative bound on the rounding error of a ratio.
+# handles count as equal, several of these widths; and relative bound on the rounding error of a ratio of given angles.
 _RELATIVE_TOLERANCE, _EQUAL, ROUNDING = 1e-11, 1e-10, 1e-13
+# Last digits of the largest coordinate by which the equation of a bench is off, besides what is measured.
+_ROUNDED = 2
 _RIGHT_ANGLE = np.pi / 2
 # Least cosine in a quotient: a smaller one belongs to an angle that may reach a right angle.
 _MIN_COSINE = 1e-12
@@ -154,10 +156,11 @@ def max_speed(
     -------
     MaxSpeed
         The relative error of the speed is at most `excess`: the largest ratio is enclosed for all times and handles.
-        `excess` is 1e-11 except on a turn whose curvature is no larger than that of the outward spiral, and for a
-        dragon of more than some 80 benches whose last ones may be the fastest, because the head bench is hardly
-        longer than the others. There it is at most 1 / sqrt(1 - (kappa L / 2)^2) - 1 for benches of the spacing L,
-        where kappa is the curvature of the path at the exit: 0.018 for the contest's spacing and circle.
+        `excess` is 1e-11, or more where ratios magnify rounding: 8e-4 for the contest's dragon in a circle of 4.27 m,
+        which is hardly large enough. It is also more on a turn whose curvature is no larger than that of the outward
+        spiral, and for a dragon of more than some 80 benches whose last ones may be the fastest, because the head bench
+        is hardly longer than the others. There it is at most 1 / sqrt(1 - (kappa L / 2)^2) - 1 for benches of the
+        spacing L, where kappa is the curvature of the path at the exit: 0.018 for the contest's spacing and circle.
 
     Raises
     ------
@@ -178,14 +181,14 @@ def max_speed(
     if not dragon.alike:
         raise ParameterError("dragon", dragon, "one whose benches but the head are alike")
     curve = UTurn(pitch=pitch, radius=radius, ratio=ratio)
-    found, bound = _largest_ratio(dragon, curve)
+    found, excess = _largest_ratio(dragon, curve, curve.radius)
     progress(1, 1)
     speeds = found.march.at(found.travelled, found.handles).speeds[0]
     return MaxSpeed(
         speed=limit / found.ratio,
         limit=limit,
         ratio=found.ratio,
-        excess=max(_RELATIVE_TOLERANCE, bound / found.ratio - 1),
+        excess=excess,
         handles=tuple(np.flatnonzero(speeds > found.ratio * (1 - _EQUAL)).tolist()),
         time=found.travelled * found.ratio / limit,
         distance=found.travelled,
@@ -194,14 +197,27 @@ def max_speed(
     )
 
 
-def _largest_ratio(dragon: Dragon, curve: UTurn) -> tuple[_Search, float]:
-    """Search for the largest ratio of a handle's speed to the head's, and a bound on all ratios not enclosed by it.
+def certified_ratio(dragon: Dragon, curve: Composite, radius: float) -> tuple[float, float]:
+    """Largest ratio of a handle's speed to the head's, and the relative amount by which the true one may be larger.
 
-    Raises `ParameterError` if the dragon has no position with its head at the entry of the circle, or if a bench
-    becomes perpendicular to the path at its front handle, where its rear handle begins to move back; and
+    The dragon's benches but the head are alike, and the path is a turn on arcs between the spirals of a `UTurn` with
+    this radius, m. Raises `ParameterError` if the dragon has no position with its head at the entry of the circle, or
+    if a bench becomes perpendicular to the path at its front handle, where its rear handle begins to move back; and
     `UnreachableError` if the dragon does not fit round the turn.
     """
-    search = _Search(dragon, curve)
+    search, excess = _largest_ratio(dragon, curve, radius)
+    return search.ratio, excess
+
+
+def _largest_ratio(dragon: Dragon, curve: Composite, radius: float) -> tuple[_Search, float]:
+    """The search for the ratio of `certified_ratio`, and its relative excess."""
+    search, bound = _searched(dragon, curve, radius)
+    return search, max(_RELATIVE_TOLERANCE, bound / search.ratio - 1, search.rounding())
+
+
+def _searched(dragon: Dragon, curve: Composite, radius: float) -> tuple[_Search, float]:
+    """Search for the largest ratio, and a bound on all ratios that are not enclosed by it."""
+    search = _Search(dragon, curve, radius)
     head, body, whole = float(dragon.spacings[0]), float(dragon.spacings[-1]), float(dragon.spacings.sum())
     outward = curve.pieces[-1]
     cosines = np.sqrt(1 - (outward.curvature(outward.begin_s) * dragon.spacings / 2) ** 2)
@@ -209,7 +225,8 @@ def _largest_ratio(dragon: Dragon, curve: UTurn) -> tuple[_Search, float]:
     first = search.exit_distance(1, head)
     search.run(0.0, first)
     # The head has left the turn, so the benches behind it move as a chain of equal benches: periodically.
-    followers = _Search(replace(dragon, head_spacing=body), curve, curve.joints[-1], search.ratio / gain)
+    equal = replace(dragon, head_spacing=body)
+    followers = _Search(equal, curve, radius, start_s=curve.joints[-1], lower=search.ratio / gain)
     followers.run(0.0, followers.exit_distance(1, body))
     if not followers.found:
         return search, gain
@@ -221,20 +238,23 @@ def _largest_ratio(dragon: Dragon, curve: UTurn) -> tuple[_Search, float]:
     return search, gain
 
 
-def _too_narrow(curve: UTurn) -> ParameterError:
+def _too_narrow(radius: float) -> ParameterError:
     forward = "large enough for the dragon to go round with every hole moving forward at all times"
-    return ParameterError("radius", curve.radius, forward)
+    return ParameterError("radius", radius, forward)
 
 
 class _Search:
     """Branch and bound for the largest ratio of a march at 1 m/s above a lower bound."""
 
-    def __init__(self, dragon: Dragon, curve: UTurn, start_s: float = 0.0, lower: float = 1.0) -> None:
+    def __init__(
+        self, dragon: Dragon, curve: Composite, radius: float, *, start_s: float = 0.0, lower: float = 1.0
+    ) -> None:
         self.curve, self.spacings = curve, dragon.spacings
+        self._radius = radius
         try:
             self.march = March(dragon, curve, start_s=start_s)
         except ParameterError as error:
-            raise _too_narrow(curve) from error
+            raise _too_narrow(radius) from error
         self.ratio, self.found, self.travelled, self.handles = lower, False, 0.0, 1
 
     def exit_distance(self, handle: int, step: float) -> float:
@@ -249,7 +269,7 @@ class _Search:
             if s >= exit_s:
                 return travelled
             if s <= before:
-                raise _too_narrow(self.curve)
+                raise _too_narrow(self._radius)
             travelled += step / 8
 
     def run(self, begin: float, end: float) -> None:
@@ -278,6 +298,22 @@ class _Search:
             joined = np.concatenate([first, middle]), np.concatenate([middle, last])
             parts = [joined[0], self.march.handles_s(middles, handles), joined[1]]
 
+    def rounding(self) -> float:
+        """Relative rounding error of the largest ratio: that of the coordinates of the handles, which ratios magnify.
+
+        An error of a coordinate changes the cosines of both benches there; `collision/bounds.py` has the equations.
+        """
+        s, points, tangents, ratios = (part[0] for part in self.march.motion(self.travelled, self.handles))
+        spacings = self.spacings[: self.handles - 1]
+        front, rear = (turn.real for turn in chain.angles(as_vectors(points), as_vectors(tangents), spacings))
+        largest = np.abs([self.march.head_start, s[-1], *self.curve.inner_ends]).max()
+        residual = np.abs(np.abs(np.diff(points)) - spacings).max() + _ROUNDED * np.spacing(largest)
+        errors = ratios * residual
+        errors[1:] += ratios[1:] * np.cumsum(residual / (rear * ratios[1:]))
+        curvatures = np.abs(self.curve.curvature(s))
+        changes = (2 / spacings + np.maximum(curvatures[:-1], curvatures[1:])) * np.maximum(errors[:-1], errors[1:])
+        return float(np.sum(changes / front + changes / rear))
+
     def _ratios(self, first: Array, middle: Array, last: Array) -> tuple[Array, Array]:
         """Ratios (K, H - 1) of the speeds of handles 1 to H - 1 to the head's, at midpoints, and bounds on intervals.
 
@@ -287,7 +323,7 @@ class _Search:
         spacings = self.spacings[: first.shape[1] - 1]
         angles = np.angle(chain.angles(*self.curve.frame(middle), spacings))
         if np.any(np.abs(angles[0]) >= _RIGHT_ANGLE):
-            raise _too_narrow(self.curve)
+            raise _too_narrow(self._radius)
         # While both holes move forward, they remain between their coordinates at the ends of the interval. No bench
         # rotates by more than the sum of the two distances, over its spacing.
         moved = np.maximum(middle - first, last - middle)

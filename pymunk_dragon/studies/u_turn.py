@@ -7,10 +7,11 @@ does not depend on the ratio of the radii.
 
 Five arcs. The diameter, 2 R, is the only geometric limit, but the handles behind the head become faster as the turn
 becomes shorter. So the search is for the shortest turn on which no handle goes faster, relative to the head, than on
-the contest's own turn. The chord of an arc is at the mean angle of the tangents at both ends. So the entry and its
-tangent, and the points at which arcs end, determine these arcs. Two more arcs lead to the exit with its tangent if the
-angle between their chords is half the angle that they turn by; the ratio of the chords is free. The unknowns are the
-points at which the first three arcs end, as complex numbers in units of the entry, and the logarithm of that ratio.
+the contest's own turn. It samples these speeds; the largest one on the turn that it finds is certified, as by
+`max_speed`. The chord of an arc is at the mean angle of the tangents at both ends. So the entry and its tangent, and
+the points at which arcs end, determine these arcs. Two more arcs lead to the exit with its tangent if the angle between
+their chords is half the angle that they turn by; the ratio of the chords is free. The unknowns are the points at which
+the first three arcs end, as complex numbers in units of the entry, and the logarithm of that ratio.
 
 The method is sequential linear programming: the constraints are linearised by differences, and `scipy.optimize.linprog`
 finds the best step inside a trust region. Speeds have kinks where a handle passes from one arc to the next; they are
@@ -30,12 +31,13 @@ from pymunk_dragon._arguments import Array, Complex
 from pymunk_dragon._extras import library
 from pymunk_dragon._language import text
 from pymunk_dragon.collision import FirstContact, first_contact
-from pymunk_dragon.errors import DragonError, ParameterError
+from pymunk_dragon.errors import DragonError, ParameterError, UnreachableError
 from pymunk_dragon.model import chain
 from pymunk_dragon.model.curves import Arc, Composite, UTurn
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.studies._study import Progress, Result, labelled, silent
+from pymunk_dragon.studies.max_speed import certified_ratio
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -47,7 +49,7 @@ _START = (0.95, -0.1, 0.4, -0.2, -0.5, 0.2, -2.5)
 # m. Least radius and length of an arc: smaller radii save centimetres, and slow down the certificate of first contact.
 _MIN_RADIUS, _MIN_ARC = 0.5, 0.02
 # m travelled by the head between chains in the search, and beyond the turn; m behind the circle up to which handles are
-# included; samples of the speeds from one kink to the next; and positions of handles for the speeds of a result.
+# included; samples of the speeds from one kink to the next; and positions of handles for sampled ratios of a result.
 _SAMPLING, _HEAD_MARGIN, _CHAIN_MARGIN, SAMPLES, POSITIONS = 0.02, 9.0, 3.0, 8, 200_000
 # Steps at most; and first, largest and least size of the trust region, in units of the unknowns, of which the last one
 # may change by more; and factors on the size after a better turn and after any other.
@@ -58,13 +60,15 @@ _SCALES = np.array([1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 5.0])
 _PENALTY, _STUCK = 4.0, 10.0
 # Constraints closer to their limits than this are linearised; and step of the differences.
 _NEAR, _DIFFERENCE = 0.4, 1e-7
+# Relative excess of a certified ratio that its decimals do not show.
+_SHARP = 1e-9
 # First distance kept from the limits; and searches, at most, each with a wider distance.
 MARGIN, _REPAIRS = 1e-4, 4
 
 
 @dataclass(frozen=True, kw_only=True)
 class MarchedTurn:
-    """A turn, its first contact and its largest speed.
+    """A turn, its first contact and its largest ratio of speeds.
 
     Attributes
     ----------
@@ -73,14 +77,30 @@ class MarchedTurn:
     contact : FirstContact
         Certified first contact while the head travels from 100 m before the entry of the circle to 100 m after it.
     ratio : float
-        Largest ratio of a handle's speed to the head's, sampled while the head goes through the turn, in the contest's
-        every 1.2 mm.
+        Largest ratio of a handle's speed to the head's.
+    excess : float or None
+        Relative amount by which the true ratio may be larger, as in `max_speed`. It is None where the benches behind
+        the head differ: then the ratio is the largest of samples while the head goes through the turn, and the true one
+        may be larger by any amount.
     """
 
     path: Composite
     march: March
     contact: FirstContact
     ratio: float
+    excess: float | None
+
+    @property
+    def fastest(self) -> str:
+        """A sentence about the largest ratio of speeds."""
+        # To four decimals, on the side of the truth.
+        low, high = (math.floor(1e4 * self.ratio) / 1e4, math.ceil(1e4 * self.ratio * (1 + (self.excess or 0))) / 1e4)
+        if self.excess is None:
+            return text("some handle is at least {low:.4f} times as fast as the head").format(low=low)
+        if self.excess > _SHARP:
+            between = text("the fastest handle is {low:.4f} to {high:.4f} times as fast as the head")
+            return between.format(low=low, high=high)
+        return text("the fastest handle is {ratio:.4f} times as fast as the head").format(ratio=self.ratio)
 
     @property
     def length(self) -> float:
@@ -88,17 +108,16 @@ class MarchedTurn:
         return self.path.joints[-1] - self.path.joints[0]
 
     def to_dict(self) -> dict[str, Any]:
-        """Length, first contact, and largest ratio of speeds."""
-        return {"length": self.length, "contact": self.contact.to_dict(), "peak_speed_ratio": self.ratio}
+        """Length, first contact, and largest ratio of speeds with its relative excess, None where it is sampled."""
+        peak = {"peak_speed_ratio": self.ratio, "peak_speed_excess": self.excess}
+        return {"length": self.length, "contact": self.contact.to_dict(), **peak}
 
     def lines(self) -> list[str]:
         """Lines about the contact and the fastest handle."""
-        fastest = text("no handle more than {ratio:.4f} times as fast as the head")
         first = str(self.contact).partition("\n")[0]
-        return [
-            *labelled(text("certified:"), first),
-            *labelled(text("sampled:"), fastest.format(ratio=self.ratio)),
-        ]
+        if self.excess is None:
+            return [*labelled(text("certified:"), first), *labelled(text("sampled:"), self.fastest)]
+        return labelled(text("certified:"), f"{first}\n{self.fastest}")
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -162,8 +181,7 @@ class TurnResult(Result):
         from pymunk_dragon.drawing.figures import style
 
         title = text("The turn is {:.4f} m long on any two arcs").format(self.turn.length)
-        note = text("no handle goes more than {:.4g} times as fast as the head").format(self.contests.ratio)
-        figure = style.slide(title, note)
+        figure = style.slide(title, self.contests.fastest)
         axes = style.panels(figure)
         turn = np.linspace(0, 2 * np.pi, 400)
         axes.plot(*(self.turn.radius * np.array([np.cos(turn), np.sin(turn)])), color=style.COLOURS.motion, ls="--")
@@ -199,7 +217,7 @@ def u_turn(
     search : bool
         Whether to search for the shortest turn on which no handle goes faster, relative to the head, than on the
         contest's; this needs SciPy. No proof shows that there is no shorter one. Where none is found, it is the
-        contest's.
+        contest's. The largest speeds are certified, or sampled if the benches behind the head differ.
     progress : callable, optional
         Called with the part of the search that is done and the whole.
 
@@ -220,19 +238,19 @@ def u_turn(
     if search:
         library("scipy.optimize")
     turn = UTurn(pitch=pitch, radius=radius, ratio=ratio)
-    spacings = _followed(turn, dragon)
-    peak = _peak_ratio(turn, spacings)
-    if not math.isfinite(peak):
-        raise ParameterError("radius", radius, "large enough for the dragon to get round the turn")
+    try:
+        peak = _peak(dragon, turn, turn)
+    except UnreachableError as error:
+        raise _too_small(turn) from error
     times = tuple(March(dragon, turn, speed=speed).time(_DISTANCES).tolist())
 
-    def marched(path: Composite) -> MarchedTurn:
+    def marched(path: Composite, peak: _Peak) -> MarchedTurn:
         march = March(dragon, path, speed=speed)
         contact = first_contact(march, start=times[0], until=times[-1])
-        return MarchedTurn(path=path, march=march, contact=contact, ratio=_peak_ratio(path, spacings))
+        return MarchedTurn(path=path, march=march, contact=contact, ratio=peak.ratio, excess=peak.excess)
 
-    shortest = marched(_shortest_turn(turn, spacings, peak, progress)) if search else None
-    return TurnResult(turn=turn, times=times, contests=marched(turn), shortest=shortest)
+    shortest = marched(*_shortest_turn(turn, dragon, peak, progress)) if search else None
+    return TurnResult(turn=turn, times=times, contests=marched(turn, peak), shortest=shortest)
 
 
 def _followed(turn: UTurn, dragon: Dragon) -> Array:
@@ -240,24 +258,51 @@ def _followed(turn: UTurn, dragon: Dragon) -> Array:
     return dragon.spacings[: int(np.searchsorted(np.cumsum(dragon.spacings), turn.length + _CHAIN_MARGIN)) + 1]
 
 
-def _peak_ratio(path: Composite, spacings: Array) -> float:
-    """Largest ratio of a handle's speed to the head's, from 1; inf if a handle is pushed back or has no position."""
+def _too_small(turn: UTurn) -> ParameterError:
+    return ParameterError("radius", turn.radius, "large enough for the dragon to get round the turn")
+
+
+class _Peak(NamedTuple):
+    """Largest ratio of a handle's speed to the head's, and its relative excess, None if it is sampled."""
+
+    ratio: float
+    excess: float | None
+
+
+def _peak(dragon: Dragon, path: Composite, turn: UTurn) -> _Peak:
+    """Largest ratio on a path; `ParameterError` or `UnreachableError` if a handle is pushed back or has no position."""
+    if dragon.alike:
+        return _Peak(*certified_ratio(dragon, path, turn.radius))
+    ratio = _sampled_ratio(path, _followed(turn, dragon))
+    if not math.isfinite(ratio):
+        raise _too_small(turn)
+    return _Peak(ratio, None)
+
+
+def _sampled_ratio(path: Composite, spacings: Array) -> float:
+    """Largest sampled ratio of a handle's speed to the head's, from 1; inf if one is pushed back or has no position."""
     heads = np.linspace(0.0, path.joints[-1] + _HEAD_MARGIN, POSITIONS // (spacings.size + 1))
     ratios = chain.chain_motion(path, path.chain(heads, spacings), spacings).ratios
     return float(ratios.max()) if np.all(ratios > 0) else math.inf
 
 
-def _shortest_turn(base: UTurn, spacings: Array, limit: float, progress: Progress) -> Composite:
-    """The shortest turn found on which no handle exceeds `limit` times the head's speed, which `base` does not."""
+def _shortest_turn(base: UTurn, dragon: Dragon, peak: _Peak, progress: Progress) -> tuple[Composite, _Peak]:
+    """The shortest turn found, with its largest ratio, which is no larger than `peak` of `base`; otherwise `base`."""
+    spacings = _followed(base, dragon)
+    limit = _sampled_ratio(base, spacings)
     search = _Search(base, spacings, limit)
     for _ in range(_REPAIRS):
         arcs = search.arcs(search.run(np.array(_START), progress))
         path = arcs.path(base)
-        excess = max((_peak_ratio(path, spacings) - limit) / (limit - 1), arcs.violations(base.radius).max())
+        try:
+            found = _peak(dragon, path, base)
+        except DragonError:
+            found = _Peak(math.inf, None)
+        excess = max((found.ratio - peak.ratio) / (limit - 1), arcs.violations(base.radius).max())
         if excess <= 0:
-            return path
+            return path, found
         search.margin += min(excess, _MAX_SIZE) + MARGIN
-    return base
+    return base, peak
 
 
 class _Arcs(NamedTuple):

@@ -231,7 +231,7 @@ def _drift(subject: style.Subject) -> Figure:
     if run is None or len(run.times) == 1 or not run.max_drift > 0:
         raise ParameterError("run", run and "one without position errors", "a run of `simulate`")
     metres = EngFormatter("m", places=1)
-    title = text("The engine stays within {} of the exact model").format(metres(run.max_drift))
+    title = text("The largest position error in a frame is {}").format(metres(run.max_drift))
     figure = style.slide(title, text("position errors of the benches, at the worse of their two holes"))
     axes = style.panels(figure)
     # Without the first frame, whose position error is 0.
