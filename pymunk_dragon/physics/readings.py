@@ -36,6 +36,10 @@ _POINTS = ArbiterFields.POINT_A_1 | ArbiterFields.POINT_B_1 | ArbiterFields.POIN
 _BODIES = ArbiterFields.BODY_A_ID | ArbiterFields.BODY_B_ID
 _FLAGS = ArbiterFields.IS_FIRST_CONTACT | ArbiterFields.CONTACT_COUNT
 _PAIR = _VECTORS | _POINTS | _BODIES | _FLAGS
+# What is kept of it after a step.
+_EARLIER = ArbiterFields.TOTAL_IMPULSE | _BODIES | _FLAGS
+# Numbers of bodies, and of pairs of the same two bodies, that fit into the 53 bits of a float twice and once.
+_MOST_BODIES, _MOST_PAIRS = 2**22, 2**9
 # Quantities of any space by their titles in charts, and the kinds of their units.
 QUANTITIES = {"Kinetic energy": "energy", "Kinetic and potential energy": "energy", "Momentum": "impulse"}
 
@@ -205,13 +209,13 @@ class Contacts:
         # The first step of a space has no impulses to begin with.
         self._ratio = length / before if before else float(length > 0)
         if length > 0:
-            self._before.append(self._pairs())
+            self._before.append(self._read(_EARLIER))
         while len(self._before) > self._space.collision_persistence:
             self._before.popleft()
 
     def rows(self) -> Array:
         """Rows (C, 5) of point, normal and impulse of all contact points; the first one of a pair has its impulse."""
-        pairs, flags = self._awake(*self._pairs())
+        pairs, flags = self._awake(*self._read(_PAIR))
         impulses = self._impulses(pairs, flags)
         normals = pairs[:, 2:4] * self._signs(flags)[:, None]
         points = (pairs[:, 4:6] + pairs[:, 6:8]) / 2, (pairs[:, 8:10] + pairs[:, 10:12]) / 2
@@ -219,13 +223,14 @@ class Contacts:
         second = np.column_stack([points[1], normals, np.full_like(impulses, NO_ARROW)])[flags[:, 3] > 1]
         return np.vstack([first, second])
 
-    def _pairs(self) -> tuple[Array, Any]:
-        """Numbers (P, 12) and (P, 4) that Pymunk has of all pairs; those that do not touch have no points."""
+    def _read(self, fields: ArbiterFields) -> tuple[Array, Any]:
+        """Numbers (P, K) and (P, 4) that Pymunk has of all pairs; those that do not touch have no points."""
         self._buffer.clear()
-        batch.get_space_arbiters(self._space, _PAIR, self._buffer)
+        batch.get_space_arbiters(self._space, fields, self._buffer)
         # Copies, as the memory is used again. Whole numbers have the size of a pointer.
         flags = np.frombuffer(self._buffer.int_buf(), np.uintp).reshape(-1, 4).copy()
-        return np.frombuffer(self._buffer.float_buf()).reshape(-1, 12).copy(), flags
+        numbers = np.frombuffer(self._buffer.float_buf()).copy()
+        return numbers.reshape(len(flags), -1) if len(flags) else np.empty((0, 12)), flags
 
     def _awake(self, pairs: Array, flags: Any) -> tuple[Array, Any]:
         """Pairs without those that sleep, which Pymunk may list, and does not draw."""
@@ -245,39 +250,44 @@ class Contacts:
         """Sizes (P,) of the impulses of pairs in the last step."""
         if self._ratio == 0:
             return np.full(len(pairs), NO_ARROW)
+        begins = flags[:, 2] > 0
         # A pair that begins to touch gets none of its earlier impulse.
-        shares = np.where(flags[:, 2] > 0, 0.0, self._ratio)
-        vectors = _vectors(pairs, flags)
-        if (shares != 1).any():
-            kept = self._kept()
-            # Pairs that go on come before those that begin, between the same two bodies.
-            for row in np.argsort(flags[:, 2], kind="stable"):
-                earlier = kept.get(_key(flags[row]), [])
-                if flags[row, 3] and earlier:
-                    vectors[row] += (shares[row] - 1) * earlier.pop(0)
+        shares = np.where(begins, 0.0, self._ratio)
+        vectors, wanted = _vectors(pairs, flags), (shares != 1) & (flags[:, 3] > 0)
+        for earlier, earlier_flags in reversed(self._before):
+            if not wanted.any():
+                break
+            place, found = _matches(flags, earlier_flags)
+            found &= wanted
+            vectors[found] += (shares[found, None] - 1) * _vectors(earlier, earlier_flags)[place[found]]
+            # Pairs that go on are those of the step before.
+            wanted &= begins & ~found
         return np.asarray(np.hypot(*vectors.T))
-
-    def _kept(self) -> dict[tuple[int, int], list[Array]]:
-        """The last impulses before this step, of pairs of the same two bodies."""
-        kept: dict[tuple[int, int], list[Array]] = {}
-        for pairs, flags in self._before:
-            touching = flags[:, 3] > 0
-            pairs, flags = pairs[touching], flags[touching]
-            kept |= {_key(row): [] for row in flags}
-            for row, vector in zip(flags, _vectors(pairs, flags), strict=True):
-                kept[_key(row)].append(vector)
-        return kept
-
-
-def _key(flags: Any) -> tuple[int, int]:
-    """The two bodies of a pair, in an order that does not change."""
-    one, two = flags[:2].tolist()
-    return min(one, two), max(one, two)
 
 
 def _vectors(pairs: Array, flags: Any) -> Array:
     """Impulses (P, 2) of pairs, on the body with the lower number."""
     return np.where(flags[:, :1] < flags[:, 1:2], 1.0, -1.0) * pairs[:, :2]
+
+
+def _matches(flags: Any, earlier: Any) -> tuple[Any, Any]:
+    """Where pairs (P,) are among earlier ones, and whether they are."""
+    codes, known = _codes(flags), _codes(earlier)
+    # Those that did not touch match none.
+    known[earlier[:, 3] == 0] = np.inf
+    order = np.append(np.argsort(known), 0)
+    place = order[np.searchsorted(known, codes, sorter=order[:-1])]
+    return place, np.append(known, np.nan)[place if len(known) else -1] == codes
+
+
+def _codes(flags: Any) -> Array:
+    """Numbers (P,) of pairs, by their two bodies, and among those of the same two, first for pairs that go on."""
+    low, high = flags[:, :2].min(axis=1), flags[:, :2].max(axis=1)
+    codes = (low * float(_MOST_BODIES) + high) * _MOST_PAIRS
+    order = np.lexsort((flags[:, 2], codes))
+    ranks = np.arange(len(order)) - np.searchsorted(codes[order], codes[order])
+    codes[order] += ranks
+    return codes
 
 
 def impulse_of(arbiter: pymunk.Arbiter, before: pymunk.Vec2d, ratio: float) -> pymunk.Vec2d:

@@ -261,9 +261,7 @@ def _impulses(subject: style.Subject) -> Figure:
     before = run.times < (run.first_contact.time if run.first_contact else np.inf)
     times, forces = run.times[before], run.joint_forces[before]
     if not forces.max(initial=0.0) > 0:
-        raise ParameterError(
-            "run", "one without joint forces", "a run of `simulate` with a frame before the contact"
-        )
+        raise ParameterError("run", "one without joint forces", "a run of `simulate` with a frame before the contact")
     rows = np.unique(np.searchsorted(times, _several_times(times[0], times[-1])))
     title = text("The joints carry up to {:.2f} N").format(forces[rows].max())
     subtitle = text("force in every joint, N: the mean over a substep of {:g} ms").format(1e3 * run.substep)

@@ -100,9 +100,7 @@ class LiveCharts {
     this.drawn = now;
     const { error, step } = this.charts, efforts = this.model.efforts(frame);
     if (error.shown) this.drawErrors(error, frame);
-    for (const kind of EFFORTS) {
-      this.drawEfforts(kind, efforts.filter((joint) => joint.kind === kind), new Set(state.cuts));
-    }
+    for (const kind of EFFORTS) this.drawEfforts(kind, efforts, new Set(state.cuts));
     for (const quantity of this.quantities) quantity.draw();
     const step_length = (state.values.step ?? 1000 * this.model.scene.step);
     if (step.shown) this.drawSteps(step, frame, step_length / state.speed);
@@ -116,14 +114,15 @@ class LiveCharts {
     setText("value-error", worst < 0 ? "–" : localized("{error}, bench {i}", { error, i: worst }));
   }
 
-  drawEfforts(kind, joints, cuts) {
+  drawEfforts(kind, efforts, cuts) {
     const chart = this.charts[kind], { bottom, top } = this.painter.scales[kind];
+    const joints = efforts.filter((joint) => joint.kind === kind);
     element(`charts-${kind}`).hidden = joints.length === 0;
     if (!chart.shown || !joints.length) return;
     const isValid = ({ number, effort }) => effort > 0 && !cuts.has(number);
     const upOf = (joint) => (isValid(joint) ? Math.max(Math.log10(joint.effort), bottom) : NaN);
     const points = joints.map((joint) => [joint.number, upOf(joint)]);
-    chart.start([bottom, top], powerText, [-0.5, Math.max(1, joints.at(-1).number + 1) - 0.5]);
+    chart.start([bottom, top], powerText, [-0.5, efforts.length - 0.5]);
     if (this.model.benches) chart.track(points);
     else for (const [j, up] of points) chart.line([[j, bottom], [j, up]], { colour: "any", width: 4 });
     for (const j of cuts) chart.line([[j, bottom], [j, top]], { colour: "contact" });
