@@ -267,7 +267,8 @@ class Contacts:
 
 def _vectors(pairs: Array, flags: Any) -> Array:
     """Impulses (P, 2) of pairs, on the body with the lower number."""
-    return np.where(flags[:, :1] < flags[:, 1:2], 1.0, -1.0) * pairs[:, :2]
+    signs: Array = np.where(flags[:, :1] < flags[:, 1:2], 1.0, -1.0)
+    return signs * pairs[:, :2]
 
 
 def _matches(flags: Any, earlier: Any) -> tuple[Any, Any]:
@@ -283,7 +284,7 @@ def _matches(flags: Any, earlier: Any) -> tuple[Any, Any]:
 def _codes(flags: Any) -> Array:
     """Numbers (P,) of pairs, by their two bodies, and among those of the same two, first for pairs that go on."""
     low, high = flags[:, :2].min(axis=1), flags[:, :2].max(axis=1)
-    codes = (low * float(_MOST_BODIES) + high) * _MOST_PAIRS
+    codes: Array = (low * float(_MOST_BODIES) + high) * _MOST_PAIRS
     order = np.lexsort((flags[:, 2], codes))
     ranks = np.arange(len(order)) - np.searchsorted(codes[order], codes[order])
     codes[order] += ranks
