@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import random
 import re
 from pathlib import Path
 
@@ -226,6 +227,20 @@ def test_floor_carries_10_newtons_in_steps_of_any_length(shape):
         impulses = readings.contacts()[:, 4]
         found.append(impulses[impulses != NO_ARROW].sum() / length)
     assert np.array(found[500:]) == pytest.approx(GRAVITY, rel=2e-3)
+
+
+def test_body_of_two_balls_has_impulses_that_change_its_momentum_in_steps_of_random_lengths():
+    space, dice = empty(), random.Random(1)
+    space.collision_slop = 0.01
+    (body,) = on_floor(space, [lambda body: pymunk.Circle(body, 0.5, (-0.7, 0))])
+    space.add(pymunk.Circle(body, 0.5, (0.7, 0)))
+    readings = Readings(space)
+    for _ in range(600):
+        length, before = dice.uniform(0.008, 0.014), body.velocity.y
+        readings.before_step(length)
+        space.step(length)
+        change = body.velocity.y - before + GRAVITY * length
+        assert readings.contacts()[:, 4].sum() == pytest.approx(change, rel=1e-6, abs=1e-6)
 
 
 def test_ball_that_touches_again_at_once_has_the_impulse_of_its_second_contact():

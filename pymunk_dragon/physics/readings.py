@@ -38,8 +38,8 @@ _FLAGS = ArbiterFields.IS_FIRST_CONTACT | ArbiterFields.CONTACT_COUNT
 _PAIR = _VECTORS | _POINTS | _BODIES | _FLAGS
 # What is kept of it after a step.
 _EARLIER = ArbiterFields.TOTAL_IMPULSE | _BODIES | _FLAGS
-# Numbers of bodies, and of pairs of the same two bodies, that fit into the 53 bits of a float twice and once.
-_MOST_BODIES, _MOST_PAIRS = 2**22, 2**9
+# Pairs of shapes between the same two bodies that are told apart.
+_MOST_PAIRS = 1024
 # Quantities of any space by their titles in charts, and the kinds of their units.
 QUANTITIES = {"Kinetic energy": "energy", "Kinetic and potential energy": "energy", "Momentum": "impulse"}
 
@@ -190,8 +190,8 @@ class Contacts:
 
     Impulses are corrected for a change of the step as those in `JointForces`, but as vectors. Where a pair touches
     again within `Space.collision_persistence` steps, Pymunk 7.3.1 counts its earlier impulse once more, which is
-    subtracted. Pymunk tells only the sum over a pair's two points: the impulse is not exact in a step of another length
-    in which one of them is lost.
+    subtracted. Pymunk tells only the sum over a pair's two points, and of pairs of shapes only the bodies: the impulse
+    is not exact in a step of another length in which one of two points is lost, or one of several pairs of two bodies.
     """
 
     def __init__(self, space: pymunk.Space) -> None:
@@ -219,18 +219,20 @@ class Contacts:
         impulses = self._impulses(pairs, flags)
         normals = pairs[:, 2:4] * self._signs(flags)[:, None]
         points = (pairs[:, 4:6] + pairs[:, 6:8]) / 2, (pairs[:, 8:10] + pairs[:, 10:12]) / 2
-        first = np.column_stack([points[0], normals, impulses])[flags[:, 3] > 0]
+        first = np.column_stack([points[0], normals, impulses])
         second = np.column_stack([points[1], normals, np.full_like(impulses, NO_ARROW)])[flags[:, 3] > 1]
         return np.vstack([first, second])
 
     def _read(self, fields: ArbiterFields) -> tuple[Array, Any]:
-        """Numbers (P, K) and (P, 4) that Pymunk has of all pairs; those that do not touch have no points."""
+        """Numbers (P, K) and (P, 4) of all pairs that touch."""
         self._buffer.clear()
         batch.get_space_arbiters(self._space, fields, self._buffer)
-        # Copies, as the memory is used again. Whole numbers have the size of a pointer.
-        flags = np.frombuffer(self._buffer.int_buf(), np.uintp).reshape(-1, 4).copy()
-        numbers = np.frombuffer(self._buffer.float_buf()).copy()
-        return numbers.reshape(len(flags), -1) if len(flags) else np.empty((0, 12)), flags
+        # Whole numbers have the size of a pointer.
+        flags = np.frombuffer(self._buffer.int_buf(), np.uintp).reshape(-1, 4)
+        numbers = np.frombuffer(self._buffer.float_buf())
+        # Pymunk also lists pairs that touched before. A copy, as the memory is used again.
+        touching = flags[:, 3] > 0
+        return numbers.reshape(len(flags), -1 if len(flags) else 12)[touching], flags[touching]
 
     def _awake(self, pairs: Array, flags: Any) -> tuple[Array, Any]:
         """Pairs without those that sleep, which Pymunk may list, and does not draw."""
@@ -253,7 +255,7 @@ class Contacts:
         begins = flags[:, 2] > 0
         # A pair that begins to touch gets none of its earlier impulse.
         shares = np.where(begins, 0.0, self._ratio)
-        vectors, wanted = _vectors(pairs, flags), (shares != 1) & (flags[:, 3] > 0)
+        vectors, wanted = _vectors(pairs, flags), shares != 1
         for earlier, earlier_flags in reversed(self._before):
             if not wanted.any():
                 break
@@ -273,18 +275,20 @@ def _vectors(pairs: Array, flags: Any) -> Array:
 
 def _matches(flags: Any, earlier: Any) -> tuple[Any, Any]:
     """Where pairs (P,) are among earlier ones, and whether they are."""
-    codes, known = _codes(flags), _codes(earlier)
-    # Those that did not touch match none.
-    known[earlier[:, 3] == 0] = np.inf
+    # Numbers of bodies are pointers, of which no two fit into one number.
+    bodies = np.sort(np.append(flags[:, :2], earlier[:, :2]))
+    codes, known = _codes(flags, bodies), _codes(earlier, bodies)
     order = np.append(np.argsort(known), 0)
     place = order[np.searchsorted(known, codes, sorter=order[:-1])]
     return place, np.append(known, np.nan)[place if len(known) else -1] == codes
 
 
-def _codes(flags: Any) -> Array:
+def _codes(flags: Any, bodies: Any) -> Array:
     """Numbers (P,) of pairs, by their two bodies, and among those of the same two, first for pairs that go on."""
-    low, high = flags[:, :2].min(axis=1), flags[:, :2].max(axis=1)
-    codes: Array = (low * float(_MOST_BODIES) + high) * _MOST_PAIRS
+    places = np.searchsorted(bodies, flags[:, :2])
+    low, high = places.min(axis=1), places.max(axis=1)
+    # As floats, which have 53 bits on every platform.
+    codes: Array = (low * float(len(bodies)) + high) * _MOST_PAIRS
     order = np.lexsort((flags[:, 2], codes))
     ranks = np.arange(len(order)) - np.searchsorted(codes[order], codes[order])
     codes[order] += ranks
