@@ -129,7 +129,7 @@ def decoded(frame: bytes):
     rest = np.frombuffer(frame, "<f4", offset=4 + length)
     assert len(rest) == sum(sizes.values())
     parts = dict(zip(sizes, np.split(rest, np.cumsum(list(sizes.values()))[:-1]), strict=True))
-    for name, columns in {"poses": 3, "exact": 3, "contacts": 5, "joints": 5}.items():
+    for name, columns in {"poses": 3, "exact": 3, "contacts": 5, "joints": 6}.items():
         if name in parts:
             parts[name] = parts[name].reshape(-1, columns)
     return SimpleNamespace(**header, **parts)

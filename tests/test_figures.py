@@ -159,12 +159,11 @@ def test_drift_and_impulses_are_those_of_the_run():
         np.testing.assert_allclose(worst, played.drift[frames, :count].max(axis=1))
         assert times[-1] == played.times[-1]
     assert round(1e6 * line(drawing, "smallest-gap")[1][0]) == 865
-    assert played.joint_impulses is not None
+    assert played.joint_forces is not None
     for rank, each in enumerate(drawn("impulses").axes[0].get_lines()):
         frame = int(np.abs(played.times - float(each.get_label().removesuffix(" s"))).argmin())
         assert played.times[frame] < played.times[-1]
-        # The force is the impulse over a substep.
-        np.testing.assert_allclose(line(drawn("impulses"), f"impulse-{rank}")[1], played.joint_impulses[frame] / 0.02)
+        np.testing.assert_allclose(line(drawn("impulses"), f"impulse-{rank}")[1], played.joint_forces[frame])
 
 
 def test_only_the_picture_of_the_collision_shows_a_contact(tmp_path, monkeypatch):

@@ -468,9 +468,9 @@ def test_area_of_a_disc_is_in_proportion_to_the_impulse_of_the_frame_before(run)
     sizes = np.full((len(run.times), 15), 1.0)
     sizes[:, 0] = 4.0
     film = Film(size=1200, camera=Camera(follow="head", span=8.0), show=("impulses",))
-    picture, place = shown(replace(run, joint_impulses=sizes), 5.0, film)
+    picture, place = shown(replace(run, joint_forces=sizes), 5.0, film)
     _, rear = MARCH.dragon.holes(run.poses_at([5.0])[0])
     areas = [count(near(picture, xy, 40), "force") for xy in place(rear[:2])]
     assert areas[0] / areas[1] == pytest.approx(4.0, rel=0.1)
-    pulled = replace(run, joint_impulses=np.where(run.times >= 5, 1.0, 0.0)[:, None] * np.ones(15))
+    pulled = replace(run, joint_forces=np.where(run.times >= 5, 1.0, 0.0)[:, None] * np.ones(15))
     assert [count(still(pulled, time, film), "force") > 1000 for time in (4.999, 5.0)] == [False, True]

@@ -160,7 +160,7 @@ def test_benches_of_their_own_sizes_weigh_and_reach_what_they_should():
         assert (shape.area, shape.radius) == (pytest.approx(length * width), 0)
 
 
-def test_impulse_in_the_last_pivot_is_what_changes_the_tails_momentum():
+def test_force_in_the_last_pivot_is_what_changes_the_tails_momentum():
     """Newton's second law: nothing else acts on a tail that nobody guides but the ground's drag."""
     march = March(Dragon(benches=12), turns=6)
     world = World(march, "none", substep=0.01, iterations=50)
@@ -169,11 +169,11 @@ def test_impulse_in_the_last_pivot_is_what_changes_the_tails_momentum():
     for _ in steps(world, 99):
         change = tail.mass * (tail.velocity - before * world.space.damping**world.substep)
         before = tail.velocity
-        assert world.joint_impulses[-1] == pytest.approx(change.length, rel=1e-9)
+        assert world.joint_forces[-1] == pytest.approx(change.length / world.substep, rel=1e-9)
     run = simulate(march, until=1.0)
-    assert run.joint_impulses.shape == (len(run.times), 11)
-    assert np.all(run.joint_impulses >= 0)
-    assert Run.exact(march, [0.0]).joint_impulses is None
+    assert run.joint_forces.shape == (len(run.times), 11)
+    assert np.all(run.joint_forces >= 0)
+    assert Run.exact(march, [0.0]).joint_forces is None
 
 
 def steps(world, count):
@@ -191,15 +191,15 @@ def test_joints_begin_with_the_tension_that_the_drag_makes(contacts):
     """Each joint of a straight chain that nobody guides makes up for what the ground takes from all benches behind."""
     world = World(March(Dragon(benches=500), Line(stop=(2000, 0)), start_s=1000.0), "none", contacts=contacts)
     behind = np.cumsum(world.masses[:0:-1])[::-1]
-    tension = behind * (1 - world.space.damping**world.substep)
-    np.testing.assert_allclose(world.joint_impulses, tension, rtol=1e-6)
+    tension = behind * (1 - world.space.damping**world.substep) / world.substep
+    np.testing.assert_allclose(world.joint_forces, tension, rtol=1e-6)
 
 
-def test_joints_on_rails_begin_with_the_impulses_of_a_converged_solver():
+def test_joints_on_rails_begin_with_the_forces_of_a_converged_solver():
     world = World(March(Dragon(benches=40)), substep=1e-4, iterations=20_000, start=100.0)
-    begin = world.joint_impulses
+    begin = world.joint_forces
     assert list(steps(world, 3)) == [0, 1, 2]
-    np.testing.assert_allclose(begin, world.joint_impulses, rtol=1e-3)
+    np.testing.assert_allclose(begin, world.joint_forces, rtol=1e-3)
 
 
 def test_unguided_head_pulls_the_whole_dragon_with_joints_that_hold():

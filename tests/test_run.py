@@ -39,7 +39,7 @@ CONTACT = Contact(
     time=0.3141592653589793, raw_time=0.32, benches=(0, 2), point=(1.5, 2.5), normal=(1.0, 0.0), depth=0.25e-3
 )
 ENGINE = {"player": "pymunk", "guide": "rails", "contacts": "resolve", "start": -0.5, "substep": 0.01, "substeps": 350}
-ARRAYS = ("times", "poses", "drift", "pose_velocities", "joint_impulses")
+ARRAYS = ("times", "poses", "drift", "pose_velocities", "joint_forces")
 
 
 def a_run():
@@ -52,7 +52,7 @@ def a_run():
         poses=states.poses,
         drift=drift,
         pose_velocities=states.pose_velocities,
-        joint_impulses=np.linspace(0, 1, 21).reshape(7, 3) / 7,
+        joint_forces=np.linspace(0, 1, 21).reshape(7, 3) / 7,
         events=EVENTS,
         first_contact=CONTACT,
         outcome="contact",
@@ -183,7 +183,7 @@ def test_foreign_files_and_arrays_that_do_not_fit_are_refused(load):
         ("times", np.array([0, 1, 2, np.nan, 4, 5, 6.0])),
         ("drift", np.zeros((7, 3), dtype=np.float32)),
         ("pose_velocities", np.full((7, 4, 3), np.inf, dtype=np.float32)),
-        ("joint_impulses", np.zeros((7, 4), dtype=np.float32)),
+        ("joint_forces", np.zeros((7, 4), dtype=np.float32)),
         # Python objects, which NumPy would unpickle.
         *((name, np.array([EVENTS[0]], dtype=object)) for name in ("times", "poses", "notes")),
     ):
@@ -282,7 +282,7 @@ def test_runs_and_states_are_equal_to_those_with_the_same_numbers_and_to_no_othe
     for same in (a_run(), replace(run, wall_seconds=3.0), pickle.loads(pickle.dumps(run))):
         assert (run, hash(run)) == (same, hash(same))
     others = [changed(run, name) for name in ARRAYS]
-    others += [replace(run, **{name: None}) for name in ("joint_impulses", "first_contact")]
+    others += [replace(run, **{name: None}) for name in ("joint_forces", "first_contact")]
     others += [replace(run, events=ContactLog()), replace(run, outcome="clear"), replace(run, provenance={})]
     others += [replace(run, march=replace(MARCH, speed=1.3)), "run"]
     assert all(run != other for other in others)

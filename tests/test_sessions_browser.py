@@ -20,7 +20,7 @@ from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.sessions.controls import Button, Key
 from pymunk_dragon.sessions.handle import source_of
-from pymunk_dragon.sessions.ready import SCENES, add, dragon
+from pymunk_dragon.sessions.ready import SCENES, add, dragon, program
 from pymunk_dragon.sessions.scene import Play
 from pymunk_dragon.sessions.session import load_log
 
@@ -252,6 +252,35 @@ def test_button_that_starts_again_says_in_both_languages_where_the_run_may_diffe
             titles.append(page.get_attribute("#reset", "title"))
     assert len(set(titles)) == 4
     assert all(title.isascii() == (number % 2 == 0) for number, title in enumerate(titles))
+
+
+def balance(gravity=9.81):
+    """A tonne on a spring, and a lever that a motor holds."""
+    space = pymunk.Space()
+    space.gravity = 0, -gravity
+    load, lever = pymunk.Body(1000, 1), pymunk.Body(1, 1)
+    load.position = 0, -2
+    lever.center_of_gravity = 1, 0
+    lever.position = 3, 0
+    spring = pymunk.DampedSpring(space.static_body, load, (0, 0), (0, 0), 1, 9810, 3000)
+    pivot = pymunk.PivotJoint(space.static_body, lever, (3, 0))
+    shapes = pymunk.Circle(load, 0.3), pymunk.Segment(lever, (0, 0), (2, 0), 0.1)
+    space.add(load, lever, *shapes, spring, pivot, pymunk.SimpleMotor(space.static_body, lever, 0))
+    return space
+
+
+def test_page_shows_forces_and_torques_in_their_units_and_on_scales_of_their_own(browser):
+    with shown(browser, program(balance, Play())) as (_, page):
+        wait_until(page, "document.querySelector('#value-force').textContent === '9.8 kN, joint 0'")
+        wait_until(page, "document.querySelector('#value-torque').textContent === '9.81 N m, joint 2'")
+        assert page.evaluate("[live.painter.scales.force.top, live.painter.scales.torque.top]") == [4, 1]
+        assert page.text_content("#torque-name") == "Torque by joint (N m)"
+        captions = page.eval_on_selector_all(
+            "#charts-own figcaption > :first-child", "all => all.map((x) => x.textContent)"
+        )
+        assert captions == ["Kinetic energy (J)", "Kinetic and potential energy (J)", "Momentum (N s)"]
+        label = page.evaluate("live.tools.labelOf({ joint: live.model.joints(live.frame, null, [])[2] })")
+        assert label == "joint 2: 9.81 N m"
 
 
 def test_space_bar_pauses_after_a_click_on_a_switch_and_works_one_that_a_key_has_reached(browser):

@@ -620,3 +620,30 @@ def test_functions_that_cannot_be_called_and_events_that_are_no_list_are_refused
     with pytest.raises(DragonError) as raised:
         live(build, browser=False, **keywords)
     assert_says(raised.value, *keywords)
+
+
+def resting():
+    """A ball that hangs on a pivot and falls asleep."""
+    space = pymunk.Space()
+    space.gravity = 0, -9.81
+    space.sleep_time_threshold = 0.1
+    ball = pymunk.Body(1, 1)
+    ball.position = 0, -1
+    space.add(ball, pymunk.Circle(ball, 0.1), pymunk.PinJoint(space.static_body, ball))
+    return space
+
+
+def test_no_body_sleeps_in_a_space_that_is_discarded():
+    # Pymunk 7.3.1 reads memory that was freed where a body with a joint does.
+    with played(resting) as on:
+        discarded = []
+        for _ in range(2):
+            on.step(30)
+            discarded.append(on.scene.space)
+            assert all(body.is_sleeping for body in discarded[-1].bodies)
+            on.do("reset")
+            assert not any(body.is_sleeping for body in discarded[-1].bodies)
+        on.step(30)
+        discarded.append(on.scene.space)
+    on.session._thread.join(PATIENCE)
+    assert not any(body.is_sleeping for body in discarded[-1].bodies)

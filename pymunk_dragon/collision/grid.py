@@ -23,7 +23,7 @@ from pymunk_dragon.model.march import March, check_march
 
 __all__ = ["Grid"]
 
-_Cells = NDArray[np.int64]
+_Cells = NDArray[np.intp]
 
 # m. Least and largest pitch of a spiral, to which the paper ties the cell.
 CELLS = 0.001, 1000.0
@@ -128,10 +128,11 @@ class Grid:
         """
         cells, benches = self.file(outlines)
         if not benches.size:
-            return np.empty((0, 2), dtype=np.int64)
+            return np.empty((0, 2), dtype=np.intp)
         # One number for cell and bench sorts the entries by cell, and within a cell by bench.
         n = int(benches[-1]) + 1
-        rows, columns = (cells - cells.min(axis=0)).T
+        # A million cells squared need 64 bits, which counts and indices have on some platforms only.
+        rows, columns = (cells - cells.min(axis=0)).astype(np.int64, copy=False).T
         entries = np.sort((rows * (columns.max() + 1) + columns) * n + benches)
         cells, benches = np.divmod(entries, n)
         # Every entry is paired with the later ones of its cell.
@@ -145,7 +146,7 @@ class Grid:
         # As `np.unique`, which imports masked arrays.
         codes = np.sort(one[far] * n + two[far])
         codes = codes[np.diff(codes, prepend=-1) > 0]
-        return np.stack(np.divmod(codes, n), axis=-1)
+        return np.stack(np.divmod(codes, n), axis=-1).astype(np.intp, copy=False)
 
     def _in_cells(self, name: str, points: Array) -> tuple[Array, Array]:
         """Distances (...) of `points` (..., 2) from the origin in cells: to the right, and downward."""
@@ -157,14 +158,15 @@ class Grid:
         return offset[..., 0] / self.cell, offset[..., 1] / -self.cell
 
     def _check_entries(self, counts: _Cells, size: str) -> None:
-        total = int(counts.sum())
+        # As a float, which no sum overflows.
+        total = int(counts.sum(dtype=float))
         if total > _MAX_ENTRIES:
             raise ParameterError("cell", self.cell, f"{size} enough for {_MAX_ENTRIES:,} entries, not {total:,}")
 
 
 def _range(low: Array, high: Array) -> tuple[_Cells, _Cells]:
     """First and last cell, in one direction, that a segment from `low` to `high` touches."""
-    return np.floor(low - _SLACK).astype(np.int64), np.floor(high + _SLACK).astype(np.int64)
+    return np.floor(low - _SLACK).astype(np.intp), np.floor(high + _SLACK).astype(np.intp)
 
 
 def _runs(starts: _Cells, counts: _Cells) -> tuple[_Cells, _Cells]:

@@ -122,10 +122,10 @@ def _velocities(source: Source, time: float, poses: Array) -> Array:
     return np.concatenate([front, rear[-1:]])
 
 
-def _impulses(run: Run, time: float) -> Array:
-    """Return the impulses (N - 1,) of the frame before a time, N s, which are not interpolated."""
-    assert run.joint_impulses is not None  # Other runs are refused.
-    return np.asarray(run.joint_impulses[np.searchsorted(run.times, time, side="right") - 1])
+def _forces(run: Run, time: float) -> Array:
+    """Return the forces (N - 1,) in joints at the frame before a time, N, which are not interpolated."""
+    assert run.joint_forces is not None  # Other runs are refused.
+    return np.asarray(run.joint_forces[np.searchsorted(run.times, time, side="right") - 1])
 
 
 def _touches(run: Run, time: float) -> list[tuple[Sequence[Sequence[float]], Sequence[float]]]:
@@ -150,10 +150,10 @@ def _draw_velocities(layer: Layer) -> None:
 
 def _draw_impulses(layer: Layer) -> None:
     assert isinstance(layer.source, Run)  # Marches are refused.
-    assert layer.source.joint_impulses is not None
-    largest = float(layer.source.joint_impulses.max(initial=0.0)) or 1.0
-    # The disc's area is proportional to the impulse.
-    shares = np.sqrt(_impulses(layer.source, layer.time) / largest)
+    assert layer.source.joint_forces is not None
+    largest = float(layer.source.joint_forces.max(initial=0.0)) or 1.0
+    # The disc's area is proportional to the force, and so to the impulse in a substep.
+    shares = np.sqrt(_forces(layer.source, layer.time) / largest)
     radii = _DISC_RADIUS * float(layer.dragon.widths.min()) * layer.scale * shares
     _, rear = layer.dragon.holes(layer.poses)
     for centre, radius in zip(layer.pixels(rear[:-1]).tolist(), radii.tolist(), strict=True):
@@ -195,5 +195,5 @@ OVERLAYS: Mapping[str, _Overlay] = {
     "velocities": _Overlay(shows="Arrows to where the handles would be in half a second.", draw=_draw_velocities),
     "grid": _Overlay(shows="The cells of the broad phase, darker where a bench is filed.", draw=_draw_grid, below=True),
     "contacts": _Overlay(shows="Contact points and normals.", needs="events", draw=_draw_contacts),
-    "impulses": _Overlay(shows="Impulses in the joints, as discs.", needs="joint_impulses", draw=_draw_impulses),
+    "impulses": _Overlay(shows="Impulses in the joints, as discs.", needs="joint_forces", draw=_draw_impulses),
 }

@@ -39,13 +39,13 @@ _KINDS: dict[str, Any] = {
     "poses": np.float64,
     "drift": np.float32,
     "pose_velocities": np.float32,
-    "joint_impulses": np.float32,
+    "joint_forces": np.float32,
 }
 # s: the least time between frames whose difference is a velocity. A rounding error of a position, 1e-14 m, changes the
 # velocity by 1e-7 m/s, as an acceleration of 1 m/s^2 does in this time.
 _LEAST_DIFFERENCE = 1e-7
 # Name and version of the format of files, the only one that is read.
-_FORMAT, _FORMAT_VERSION = "pymunk_dragon run", 2
+_FORMAT, _FORMAT_VERSION = "pymunk_dragon run", 3
 # Bytes that a file may unpack to, or this many times its size: packing makes callbacks ten times smaller.
 _MAX_UNPACKED, _MAX_RATIO = 512_000_000, 10
 
@@ -70,8 +70,8 @@ class Run(ArrayRecord, Displayed):
     pose_velocities : ndarray, shape (F, N, 3), optional
         Rates of change of `poses`: m/s, m/s, rad/s. By default differences of the poses; frames that are less than
         1e-7 s apart have the same.
-    joint_impulses : ndarray, shape (F, N - 1), optional
-        Size of the impulse in pivot i, of benches i and i + 1, in the substep that ended at the frame, N s.
+    joint_forces : ndarray, shape (F, N - 1), optional
+        Mean force in pivot i, of benches i and i + 1, in the substep that ended at the frame, N.
     events, first_contact : ContactLog and Contact, optional
         Every collision callback, and the first contact of benches that are not neighbours.
     outcome : {"contact", "clear", "unreachable"}
@@ -99,7 +99,7 @@ class Run(ArrayRecord, Displayed):
     poses: Array
     drift: Array
     pose_velocities: Array = None  # type: ignore[assignment]  # An array after `__post_init__`.
-    joint_impulses: Array | None = None
+    joint_forces: Array | None = None
     events: ContactLog = field(default_factory=ContactLog)
     first_contact: Contact | None = None
     outcome: Outcome = "clear"
@@ -123,7 +123,7 @@ class Run(ArrayRecord, Displayed):
         frames, benches = times.size, self.march.dragon.benches
         shapes = [(frames,), (frames, benches, 3), (frames, benches), (frames, benches, 3), (frames, benches - 1)]
         for (name, kind), shape in zip(_KINDS.items(), shapes, strict=True):
-            if name != "joint_impulses" or self.joint_impulses is not None:
+            if name != "joint_forces" or self.joint_forces is not None:
                 # A copy, because the caller may change the array.
                 array = np.array(numbers(name, getattr(self, name)), dtype=kind)
                 if array.shape != shape:
@@ -279,7 +279,7 @@ class Run(ArrayRecord, Displayed):
         with _opened(path) as (notes, stored):
             march = Scenario.from_dict(notes["scenario"], files=False).march()
             first, benches = notes["first_contact"], march.dragon.benches
-            arrays: Any = {name: stored[name] for name in _KINDS if name != "joint_impulses" or name in stored}
+            arrays: Any = {name: stored[name] for name in _KINDS if name != "joint_forces" or name in stored}
             for name in arrays:
                 if arrays[name].dtype != _KINDS[name]:
                     raise DragonError(f"its {name} are not of the type {_KINDS[name].__name__}")

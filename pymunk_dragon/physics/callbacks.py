@@ -17,6 +17,7 @@ from pymunk_dragon._arguments import Array
 from pymunk_dragon.collision.sat import Separation, separation
 from pymunk_dragon.model.contact import Contact, ContactEvent, Phase
 from pymunk_dragon.model.dragon import Dragon, outlines
+from pymunk_dragon.physics.readings import impulse_of
 from pymunk_dragon.physics.world import World
 
 _Vector = tuple[float, float]
@@ -76,6 +77,8 @@ class Recorder:
         self._narrowest = float(world.march.dragon.widths.min())
         # Pairs whose contact has begun and not ended.
         self._touching: set[tuple[int, int]] = set()
+        # Impulses of pairs at `pre_solve`, which belong to earlier steps.
+        self._earlier: dict[tuple[int, int], pymunk.Vec2d] = {}
         callbacks: dict[str, Any] = {phase: partial(self._call, phase) for phase in get_args(Phase)}
         world.space.on_collision(**callbacks)
 
@@ -108,6 +111,7 @@ class Recorder:
         known = benches in self._touching
         if phase == "separate":
             self._touching.discard(benches)
+            self._earlier.pop(benches, None)
             if known:
                 self.events.append(ContactEvent(time=self._time, phase=phase, benches=benches))
             return
@@ -117,6 +121,8 @@ class Recorder:
             arbiter.process_collision = not (false or self._world.settings.contacts == "report")
         if false:
             return
+        if phase == "pre_solve":
+            self._earlier[benches] = arbiter.total_impulse
         middle = sum(x for x, _ in points) / len(points), sum(y for _, y in points) / len(points)
         relative = second_body.velocity_at_world_point(middle) - first_body.velocity_at_world_point(middle)
         common: dict[str, Any] = {"time": self._time, "benches": benches, "normal": normal, "depth": depth}
@@ -124,8 +130,7 @@ class Recorder:
             phase=phase,
             points=points,
             relative_velocity=_signed(relative, swapped),
-            # total_impulse is what the arbiter's first shape received.
-            impulse=_signed(arbiter.total_impulse, not swapped) if phase == "post_solve" else None,
+            impulse=self._impulse(arbiter, benches, swapped) if phase == "post_solve" else None,
             **common,
         )
         if not known:
@@ -134,6 +139,11 @@ class Recorder:
             if phase != "begin":
                 self.events.append(replace(event, phase="begin"))
         self.events.append(event)
+
+    def _impulse(self, arbiter: pymunk.Arbiter, benches: tuple[int, int], swapped: bool) -> _Vector:
+        """Impulse on the second bench of a pair in this substep, N s."""
+        on_first = impulse_of(arbiter, self._earlier.get(benches, pymunk.Vec2d.zero()), 1.0)
+        return _signed(on_first, not swapped)
 
 
 class Motion(NamedTuple):

@@ -1,89 +1,352 @@
-"""State of a Pymunk space as numbers, for pictures and charts: joints, contacts, energies."""
+"""State of any Pymunk space as numbers with units: joints, contacts, masses and energies.
+
+Pymunk's own numbers need some care (7.3.1), which stands here once, for pages, charts and events.
+"""
 
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import pymunk
 from pymunk import batch
-from pymunk.batch import ArbiterFields
+from pymunk.batch import ArbiterFields, BodyFields
 
 from pymunk_dragon._arguments import Array, as_complex
 from pymunk_dragon.errors import ParameterError
 
 # Impulse in the row of a contact point that has no arrow: that of its pair is in another row.
 NO_ARROW = -1.0
-# What is read of each pair in contact.
-_FLOATS = ArbiterFields.TOTAL_IMPULSE | ArbiterFields.NORMAL | ArbiterFields.POINT_A_1 | ArbiterFields.POINT_A_2
-_INTS = ArbiterFields.BODY_A_ID | ArbiterFields.BODY_B_ID | ArbiterFields.IS_FIRST_CONTACT | ArbiterFields.CONTACT_COUNT
+# Joints whose impulses are torques times the length of a step; those of all others are forces times it.
+_ROTARY = (
+    pymunk.DampedRotarySpring,
+    pymunk.GearJoint,
+    pymunk.RatchetJoint,
+    pymunk.RotaryLimitJoint,
+    pymunk.SimpleMotor,
+)
+# Joints whose impulses the solver does not take over from the step before, and which have a sign.
+_SPRINGS = pymunk.DampedSpring, pymunk.DampedRotarySpring
+# What is read of each pair in contact: two vectors, four points, and four whole numbers.
+_VECTORS = ArbiterFields.TOTAL_IMPULSE | ArbiterFields.NORMAL
+_POINTS = ArbiterFields.POINT_A_1 | ArbiterFields.POINT_B_1 | ArbiterFields.POINT_A_2 | ArbiterFields.POINT_B_2
+_BODIES = ArbiterFields.BODY_A_ID | ArbiterFields.BODY_B_ID
+_FLAGS = ArbiterFields.IS_FIRST_CONTACT | ArbiterFields.CONTACT_COUNT
+_PAIR = _VECTORS | _POINTS | _BODIES | _FLAGS
+# What is kept of it after a step.
+_EARLIER = ArbiterFields.TOTAL_IMPULSE | _BODIES | _FLAGS
+# Pairs of shapes between the same two bodies that are told apart.
+_MOST_PAIRS = 1024
+# Quantities of any space by their titles in charts, and the kinds of their units.
+QUANTITIES = {"Kinetic energy": "energy", "Kinetic and potential energy": "energy", "Momentum": "impulse"}
+
+
+def units(length: str) -> dict[str, str]:
+    """Units of forces, torques, impulses and energies of a space whose lengths are in a unit, and masses in kg."""
+    if length == "m":
+        return {"force": "N", "torque": "N m", "impulse": "N s", "energy": "J"}
+    energy = f"kg {length}²/s²"
+    return {"force": f"kg {length}/s²", "torque": energy, "impulse": f"kg {length}/s", "energy": energy}
 
 
 class Readings:
-    """Readings of all bodies, or all contacts, of a space at once."""
+    """Readings of a space that is stepped: joints, contacts, and whether it is whole."""
 
     def __init__(self, space: pymunk.Space) -> None:
         self._space = space
+        self._forces, self._contacts = JointForces(space), Contacts(space)
         # Kept, as Pymunk never frees the memory of a buffer.
-        self._bodies, self._arbiters = batch.Buffer(), batch.Buffer()
+        self._buffer = batch.Buffer()
+
+    def before_step(self, length: float) -> None:
+        """Read what the next step, which takes `length` s, overwrites."""
+        self._forces.before_step(length)
+        self._contacts.before_step(length)
+
+    def joints(self, joints: Sequence[pymunk.Constraint]) -> Array:
+        """Rows of some joints; see `JointForces`."""
+        return self._forces.rows(joints)
+
+    def contacts(self) -> Array:
+        """Rows of all contact points; see `Contacts`."""
+        return self._contacts.rows()
 
     def are_finite(self) -> bool:
         """Whether all bodies have finite positions."""
-        self._bodies.clear()
-        batch.get_space_bodies(self._space, batch.BodyFields.POSITION, self._bodies)
-        return bool(np.isfinite(np.frombuffer(self._bodies.float_buf())).all())
-
-    def contact_begins(self) -> bool:
-        """Whether a pair began to touch in the last step."""
-        return bool(self._pairs()[1][:, 2].any())
-
-    def contacts(self) -> Array:
-        """Rows (C, 5) of point, normal and impulse of all contact points; the first one of a pair has its impulse."""
-        pairs, flags = self._pairs()
-        impulses, normals = np.hypot(pairs[:, 0], pairs[:, 1])[:, None], pairs[:, 2:4]
-        first = np.hstack([pairs[:, 4:6], normals, impulses])[flags[:, 3] > 0]
-        second = np.hstack([pairs[:, 6:8], normals, np.full_like(impulses, NO_ARROW)])[flags[:, 3] > 1]
-        return np.vstack([first, second])
-
-    def _pairs(self) -> tuple[Array, Any]:
-        """Impulse, normal and two points of each pair; and its bodies, whether it is new, and its number of points."""
-        buffer = self._arbiters
-        buffer.clear()
-        batch.get_space_arbiters(self._space, _FLOATS | _INTS, buffer)
-        flags = np.frombuffer(buffer.int_buf(), np.uint64).reshape(-1, 4)
-        pairs = np.frombuffer(buffer.float_buf()).reshape(-1, 8)
-        if len(pairs) and math.isfinite(self._space.sleep_time_threshold):
-            # Pymunk may list a pair that sleeps, and does not draw it.
-            asleep = [body.id for body in self._space.bodies if body.is_sleeping]
-            awake = ~np.isin(flags[:, :2], np.array(asleep, np.uint64)).any(axis=1)
-            pairs, flags = pairs[awake], flags[awake]
-        return pairs, flags
+        self._buffer.clear()
+        batch.get_space_bodies(self._space, BodyFields.POSITION, self._buffer)
+        return bool(np.isfinite(np.frombuffer(self._buffer.float_buf())).all())
 
 
-def arbiter_rows(arbiter: pymunk.Arbiter, solved: bool) -> list[tuple[float, ...]]:
-    """The same rows of a pair in a callback, where its impulse is known if it is `solved`."""
-    contact, impulses = arbiter.contact_point_set, (arbiter.total_impulse.length if solved else 0.0, NO_ARROW)
-    points = zip(contact.points, impulses, strict=False)
-    return [(*point.point_a, *contact.normal, impulse) for point, impulse in points]
+# ---- joints
 
 
-def joint_rows(joints: Sequence[pymunk.Constraint], step: float) -> Array:
-    """Rows (J, 5) of the two ends of joints and their forces in a step of so many s."""
-    rows = [(*_end(joint, "a"), *_end(joint, "b"), joint.impulse / step) for joint in joints]
-    return np.array(rows).reshape(-1, 5)
+class JointForces:
+    """Forces and torques of the joints of a space in its last step.
+
+    `Constraint.impulse` is a sum J, with which the solver goes on in the next step. In a step that is c times as long
+    as the one before, Pymunk 7.3.1 begins with c times the impulse, and yet adds to J itself. So the impulse that a
+    joint gives in step n is J_n + (c - 1) J_(n-1); it is J_n where c = 1. This needs J_(n-1), which `before_step`
+    reads. Springs begin anew in each step.
+
+    Pymunk tells the sizes of J_n and J_(n-1), not their directions. The forces are right if both have the same
+    direction, which a force has that changes little from step to step. They are not after a change of the step in which
+    the force turns round. Nor are they if steps alternate between two lengths, one of them more than 2.6 times as long
+    as the other: then J changes its sign and grows without limit, because each error of J is multiplied by
+    -(k - 1)²/k, where k is the ratio of the lengths.
+    """
+
+    def __init__(self, space: pymunk.Space) -> None:
+        self._space = space
+        self._length = space.current_time_step
+        # What the impulses of joints lack, (c - 1) J_(n-1).
+        self._missing: dict[pymunk.Constraint, float] = {}
+
+    def before_step(self, length: float) -> None:
+        """Read what the next step, which takes `length` s, overwrites; a step of 0 s does nothing in Pymunk."""
+        before, self._length = self._space.current_time_step, length
+        if length in (0.0, before):
+            # The impulses of a joint that sleeps are still those of an earlier step.
+            self._missing = {joint: missing for joint, missing in self._missing.items() if _sleeps(joint)}
+        else:
+            ratio = length / before if before else 0.0
+            joints = self._space.constraints
+            self._missing = {joint: self._missing_after(joint, ratio) for joint in joints}
+
+    def _missing_after(self, joint: pymunk.Constraint, ratio: float) -> float:
+        """What the impulse of a joint lacks after a step that is `ratio` times as long as the one before."""
+        impulse = joint.impulse
+        if _sleeps(joint):
+            return ratio * (impulse + self._missing.get(joint, 0.0)) - impulse
+        return 0.0 if isinstance(joint, _SPRINGS) else (ratio - 1) * impulse
+
+    def sizes(self, joints: Sequence[pymunk.Constraint]) -> Array:
+        """Sizes (J,) of forces, or of torques of joints that are `rotary`, in the last step; nan if it took 0 s."""
+        return np.abs([self._impulse(joint) for joint in joints]) / (self._length or math.nan)
+
+    def _impulse(self, joint: pymunk.Constraint) -> float:
+        """Impulse of a joint in the last step."""
+        missing = self._missing.get(joint, 0.0)
+        # A joint that is within its limits begins with an impulse of 0.
+        return 0.0 if missing and joint.impulse == 0 and _is_loose(joint) else joint.impulse + missing
+
+    def rows(self, joints: Sequence[pymunk.Constraint]) -> Array:
+        """Rows (J, 6) of the two ends of joints, of the sizes, and of 1 where that is a torque."""
+        rotary = [isinstance(joint, _ROTARY) for joint in joints]
+        return np.column_stack([_ends(joints), self.sizes(joints), rotary])
+
+
+def _sleeps(joint: pymunk.Constraint) -> bool:
+    return joint.a.is_sleeping or joint.b.is_sleeping
+
+
+def _is_loose(joint: pymunk.Constraint) -> bool:
+    """Whether a joint is one with limits, and within them."""
+    angle = joint.b.angle - joint.a.angle
+    match joint:
+        case pymunk.SlideJoint():
+            return joint.min <= _end(joint, "a").get_distance(_end(joint, "b")) <= joint.max
+        case pymunk.RotaryLimitJoint():
+            return joint.min <= angle <= joint.max
+        case pymunk.RatchetJoint():
+            return (joint.angle - angle) * joint.ratchet <= 0
+        case _:
+            return False
+
+
+def _ends(joints: Sequence[pymunk.Constraint]) -> Array:
+    """Rows (J, 4) of the two ends of joints."""
+    return np.array([(*_end(joint, "a"), *_end(joint, "b")) for joint in joints]).reshape(-1, 4)
+
+
+def _end(joint: pymunk.Constraint, side: str) -> pymunk.Vec2d:
+    """End of a joint on body "a" or "b" in the world: an anchor, or the position of the body."""
+    body: pymunk.Body = getattr(joint, side)
+    return body.local_to_world(getattr(joint, f"anchor_{side}", getattr(joint, f"groove_{side}", (0.0, 0.0))))
 
 
 def joint_at(joints: Sequence[pymunk.Constraint], x: float, y: float, slip: float) -> pymunk.Constraint:
     """The joint whose line passes nearest to a point, if that is within `slip`."""
-    rows, point = joint_rows(joints, 1.0), complex(x, y)
-    begin, along = as_complex(rows[:, :2]), as_complex(rows[:, 2:4] - rows[:, :2])
+    rows, point = _ends(joints), complex(x, y)
+    begin, along = as_complex(rows[:, :2]), as_complex(rows[:, 2:] - rows[:, :2])
     share = ((point - begin) / np.where(along == 0, 1, along)).real.clip(0, 1)
     distances = abs(begin + share * along - point)
     if not (distances <= slip).any():
         raise ParameterError("x, y", (x, y), "a point of a joint")
     return joints[int(np.nanargmin(distances))]
+
+
+# ---- contacts
+
+
+class Contacts:
+    """Contact points of a space in its last step, with normals and impulses.
+
+    Normals point from the older body of a pair to the younger one: the space's own static body is the oldest, and the
+    others are as old as `Space.bodies` lists them. Pymunk's order of two shapes of one type changes from step to step.
+
+    Impulses are corrected for a change of the step as those in `JointForces`, but as vectors. Where a pair touches
+    again within `Space.collision_persistence` steps, Pymunk 7.3.1 counts its earlier impulse once more, which is
+    subtracted. Pymunk tells only the sum over a pair's two points, and of pairs of shapes only the bodies: the impulse
+    is not exact in a step of another length in which one of two points is lost, or one of several pairs of two bodies.
+    """
+
+    def __init__(self, space: pymunk.Space) -> None:
+        self._space = space
+        # Kept, as Pymunk never frees the memory of a buffer.
+        self._buffer = batch.Buffer()
+        # Length of the last step over that of the one before; 0 if it took no time.
+        self._ratio = 1.0
+        # Pairs after the steps before the last one, the latest at the end.
+        self._before: deque[tuple[Array, Any]] = deque()
+
+    def before_step(self, length: float) -> None:
+        """Read what the next step, which takes `length` s, overwrites."""
+        before = self._space.current_time_step
+        # The first step of a space has no impulses to begin with.
+        self._ratio = length / before if before else float(length > 0)
+        if length > 0:
+            self._before.append(self._read(_EARLIER))
+        while len(self._before) > self._space.collision_persistence:
+            self._before.popleft()
+
+    def rows(self) -> Array:
+        """Rows (C, 5) of point, normal and impulse of all contact points; the first one of a pair has its impulse."""
+        pairs, flags = self._awake(*self._read(_PAIR))
+        impulses = self._impulses(pairs, flags)
+        normals = pairs[:, 2:4] * self._signs(flags)[:, None]
+        points = (pairs[:, 4:6] + pairs[:, 6:8]) / 2, (pairs[:, 8:10] + pairs[:, 10:12]) / 2
+        first = np.column_stack([points[0], normals, impulses])
+        second = np.column_stack([points[1], normals, np.full_like(impulses, NO_ARROW)])[flags[:, 3] > 1]
+        return np.vstack([first, second])
+
+    def _read(self, fields: ArbiterFields) -> tuple[Array, Any]:
+        """Numbers (P, K) and (P, 4) of all pairs that touch."""
+        self._buffer.clear()
+        batch.get_space_arbiters(self._space, fields, self._buffer)
+        # Whole numbers have the size of a pointer.
+        flags = np.frombuffer(self._buffer.int_buf(), np.uintp).reshape(-1, 4)
+        numbers = np.frombuffer(self._buffer.float_buf())
+        # Pymunk also lists pairs that touched before. A copy, as the memory is used again.
+        touching = flags[:, 3] > 0
+        return numbers.reshape(len(flags), -1 if len(flags) else 12)[touching], flags[touching]
+
+    def _awake(self, pairs: Array, flags: Any) -> tuple[Array, Any]:
+        """Pairs without those that sleep, which Pymunk may list, and does not draw."""
+        if len(pairs) and math.isfinite(self._space.sleep_time_threshold):
+            asleep = [body.id for body in self._space.bodies if body.is_sleeping]
+            awake = ~np.isin(flags[:, :2], np.array(asleep, np.uintp)).any(axis=1)
+            return pairs[awake], flags[awake]
+        return pairs, flags
+
+    def _signs(self, flags: Any) -> Array:
+        """1 for pairs (P,) whose first body is the older one, otherwise -1."""
+        ages = {body.id: age for age, body in enumerate(self._space.bodies)}
+        first, second = ([ages.get(number, -1) for number in flags[:, side].tolist()] for side in (0, 1))
+        return np.where(np.less_equal(first, second), 1.0, -1.0)
+
+    def _impulses(self, pairs: Array, flags: Any) -> Array:
+        """Sizes (P,) of the impulses of pairs in the last step."""
+        if self._ratio == 0:
+            return np.full(len(pairs), NO_ARROW)
+        begins = flags[:, 2] > 0
+        # A pair that begins to touch gets none of its earlier impulse.
+        shares = np.where(begins, 0.0, self._ratio)
+        vectors, wanted = _vectors(pairs, flags), shares != 1
+        for earlier, earlier_flags in reversed(self._before):
+            if not wanted.any():
+                break
+            place, found = _matches(flags, earlier_flags)
+            found &= wanted
+            vectors[found] += (shares[found, None] - 1) * _vectors(earlier, earlier_flags)[place[found]]
+            # Pairs that go on are those of the step before.
+            wanted &= begins & ~found
+        return np.asarray(np.hypot(*vectors.T))
+
+
+def _vectors(pairs: Array, flags: Any) -> Array:
+    """Impulses (P, 2) of pairs, on the body with the lower number."""
+    signs: Array = np.where(flags[:, :1] < flags[:, 1:2], 1.0, -1.0)
+    return signs * pairs[:, :2]
+
+
+def _matches(flags: Any, earlier: Any) -> tuple[Any, Any]:
+    """Where pairs (P,) are among earlier ones, and whether they are."""
+    # Numbers of bodies are pointers, of which no two fit into one number.
+    bodies = np.sort(np.append(flags[:, :2], earlier[:, :2]))
+    codes, known = _codes(flags, bodies), _codes(earlier, bodies)
+    order = np.append(np.argsort(known), 0)
+    place = order[np.searchsorted(known, codes, sorter=order[:-1])]
+    return place, np.append(known, np.nan)[place if len(known) else -1] == codes
+
+
+def _codes(flags: Any, bodies: Any) -> Array:
+    """Numbers (P,) of pairs, by their two bodies, and among those of the same two, first for pairs that go on."""
+    places = np.searchsorted(bodies, flags[:, :2])
+    low, high = places.min(axis=1), places.max(axis=1)
+    # As floats, which have 53 bits on every platform.
+    codes: Array = (low * float(len(bodies)) + high) * _MOST_PAIRS
+    order = np.lexsort((flags[:, 2], codes))
+    ranks = np.arange(len(order)) - np.searchsorted(codes[order], codes[order])
+    codes[order] += ranks
+    return codes
+
+
+def impulse_of(arbiter: pymunk.Arbiter, before: pymunk.Vec2d, ratio: float) -> pymunk.Vec2d:
+    """Impulse on the first shape of a pair in this step, for `post_solve`; see `Contacts`.
+
+    `before` is `Arbiter.total_impulse` in `pre_solve`, and `ratio` that of the step's length to that of the one before.
+    """
+    share = 0.0 if arbiter.is_first_contact else ratio
+    return arbiter.total_impulse + (share - 1) * before
+
+
+def arbiter_rows(arbiter: pymunk.Arbiter, swapped: bool, impulse: float) -> list[tuple[float, ...]]:
+    """The rows of `Contacts` for a pair in a callback, whose second body is the older one if it is `swapped`."""
+    contact = arbiter.contact_point_set
+    normal, impulses = contact.normal * (-1 if swapped else 1), (impulse, NO_ARROW)
+    points = zip(contact.points, impulses, strict=False)
+    return [(*((point.point_a + point.point_b) / 2), *normal, size) for point, size in points]
+
+
+class Touches:
+    """Pairs of shapes that touch, to notice when one begins to.
+
+    A pair touches if Pymunk calls `begin` for it: sensors do, and pairs that no solver moves, as a kinematic body on a
+    static one, or one that `begin` has switched off. So it is found from the shapes; a callback would take the place of
+    one of the user's. Two static shapes never touch, nor do shapes of one body, of bodies whose joint has
+    `collide_bodies` switched off, or of which a filter rejects the other.
+    """
+
+    def __init__(self, space: pymunk.Space) -> None:
+        self._space = space
+        self._touching = _touching(space)
+
+    def begin(self) -> bool:
+        """Whether a pair touches that did not touch at the last call, or when this was made."""
+        before, self._touching = self._touching, _touching(self._space)
+        return bool(self._touching - before)
+
+
+def _touching(space: pymunk.Space) -> set[frozenset[pymunk.Shape]]:
+    """Pairs of shapes that touch."""
+    apart = {frozenset((joint.a, joint.b)) for joint in space.constraints if not joint.collide_bodies}
+    found = set()
+    for shape in space.shapes:
+        body = shape.body
+        if body is None or body.body_type == pymunk.Body.STATIC:
+            continue
+        for hit in space.shape_query(shape):
+            bodies = frozenset((body, hit.shape.body))
+            if len(bodies) == 2 and bodies not in apart:
+                found.add(frozenset((shape, hit.shape)))
+    return found
+
+
+# ---- bodies
 
 
 def grip(shape: pymunk.Shape) -> int:
@@ -128,17 +391,43 @@ def body_at(
     return best[2], best[3]
 
 
-def _end(joint: pymunk.Constraint, side: str) -> pymunk.Vec2d:
-    """End of a joint on body "a" or "b" in the world: an anchor, or the position of the body."""
-    body: pymunk.Body = getattr(joint, side)
-    return body.local_to_world(getattr(joint, f"anchor_{side}", getattr(joint, f"groove_{side}", (0.0, 0.0))))
-
-
 def energies(space: pymunk.Space) -> dict[str, float]:
-    """Energy and momentum of all bodies that move, by their titles in charts."""
-    moving = [body for body in space.bodies if body.body_type == pymunk.Body.DYNAMIC]
-    # Pymunk leaves out the half.
-    kinetic = sum(body.kinetic_energy for body in moving) / 2
-    potential = -sum(body.mass * body.position.dot(space.gravity) for body in moving)
+    """Energy and momentum of all bodies that move, by their titles in `QUANTITIES`.
+
+    A body's position is where its own origin is; its velocity and its moment are those of its centre of mass, and its
+    gravity acts there. An infinite moment has no energy, as its rotation never changes. What sleeps is at rest.
+
+    Potential energy is that of `Space.gravity` and of springs, up to the force that `max_force` allows them. It has no
+    part of forces that the user's functions choose: `velocity_func`, `force_func` and `torque_func`.
+    """
+    dynamic = [body for body in space.bodies if body.body_type == pymunk.Body.DYNAMIC]
+    moving = [body for body in dynamic if not body.is_sleeping]
+    kinetic = math.fsum(map(_kinetic_energy, moving))
+    potential = -math.fsum(body.mass * centre_of_mass(body).dot(space.gravity) for body in dynamic)
+    elastic = math.fsum(map(_elastic_energy, space.constraints))
     momentum = sum((body.mass * body.velocity for body in moving), pymunk.Vec2d.zero()).length
-    return {"Kinetic energy": kinetic, "Kinetic and potential energy": kinetic + potential, "Momentum": momentum}
+    return dict(zip(QUANTITIES, (kinetic, kinetic + potential + elastic, momentum), strict=True))
+
+
+def centre_of_mass(body: pymunk.Body) -> pymunk.Vec2d:
+    """Centre of mass of a body in the world."""
+    return body.local_to_world(body.center_of_gravity)
+
+
+def _kinetic_energy(body: pymunk.Body) -> float:
+    """Kinetic energy of a body; Pymunk's own leaves out the half."""
+    rotation = body.moment * body.angular_velocity**2 if math.isfinite(body.moment) else 0.0
+    return (body.mass * body.velocity.length_squared + rotation) / 2
+
+
+def _elastic_energy(joint: pymunk.Constraint) -> float:
+    """Energy that a joint stores; only springs do."""
+    if isinstance(joint, pymunk.DampedSpring) and joint.force_func == pymunk.DampedSpring.spring_force:
+        offset = _end(joint, "a").get_distance(_end(joint, "b")) - joint.rest_length
+    elif isinstance(joint, pymunk.DampedRotarySpring) and joint.torque_func == pymunk.DampedRotarySpring.spring_torque:
+        offset = joint.a.angle - joint.b.angle - joint.rest_angle
+    else:
+        return 0.0
+    force = min(joint.stiffness * abs(offset), joint.max_force)
+    # The force grows with the offset up to the largest one, and is constant from there on.
+    return force * abs(offset) - force**2 / (2 * joint.stiffness) if joint.stiffness else 0.0

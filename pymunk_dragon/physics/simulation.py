@@ -93,14 +93,14 @@ def simulate(
             raise ParameterError(name, function, "a function")
     loop = _Loop(world, Recorder(world, on_event))
     loop.play(until, progress)
-    times, poses, velocities, impulses = (np.array(values) for values in zip(*loop.frames, strict=True))
+    times, poses, velocities, forces = (np.array(values) for values in zip(*loop.frames, strict=True))
     return Run(
         march=march,
         times=times,
         poses=poses,
         drift=position_errors(march.dragon, poses, as_vectors(march.motion_or_nan(times).points)),
         pose_velocities=velocities,
-        joint_impulses=impulses,
+        joint_forces=forces,
         events=ContactLog(tuple(loop.recorder.events)),
         first_contact=loop.first_contact,
         outcome=loop.outcome,
@@ -117,7 +117,7 @@ class _Loop:
 
     def __init__(self, world: World, recorder: Recorder) -> None:
         self._world, self.recorder = world, recorder
-        self.frames: list[tuple[float, Array, Array, list[float]]] = []
+        self.frames: list[tuple[float, Array, Array, Array]] = []
         self.substeps = 0
         self.first_contact: Contact | None = None
         self.outcome: Outcome = "clear"
@@ -192,7 +192,7 @@ class _Loop:
         if not np.all(np.isfinite(poses) & np.isfinite(velocities)):
             raise DragonError(f"the chain flew apart before t = {time:.6g} s; a smaller substep may hold it")
         if not self.frames or time > self.frames[-1][0]:
-            self.frames.append((time, poses, velocities, self._world.joint_impulses))
+            self.frames.append((time, poses, velocities, self._world.joint_forces))
 
 
 def _waiting_head(world: World, total: int) -> Iterator[None]:

@@ -18,6 +18,8 @@ from pymunk_dragon.errors import ParameterError, UnreachableError
 from pymunk_dragon.model.march import March, States, check_march
 from pymunk_dragon.model.settings import EngineSettings
 from pymunk_dragon.physics.guides import GUIDES, PathGuide
+from pymunk_dragon.physics.readings import JointForces
+from pymunk_dragon.physics.steps import next_length
 from pymunk_dragon.physics.warm_start import set_impulses
 
 # kg per square metre: planks of pine, 4 cm thick. It is the same for all benches, so it only scales impulses.
@@ -69,7 +71,8 @@ class World:
     settings : EngineSettings
         The settings with numbers where defaults depend on the march.
     substep, drag_rate, top_speed : float
-        Length of a step, s, rate at which the ground drag reduces velocities, 1/s, highest speed of the head, m/s.
+        Length of the next step, s, rate at which the ground drag reduces velocities, 1/s, highest speed of the head,
+        m/s. After a change of its setting, the length of a step approaches the new one by 1 % a step.
     space, bodies, shapes, pivots
         The space, and lists of the benches' bodies, shapes and pivots. Pivot i joins benches i and i + 1.
     masses, moments : ndarray, shape (N,)
@@ -124,6 +127,7 @@ class World:
         # First bench that the guide does not push, and the largest forces and torques of the guide.
         self._unpushed, self._limits = dragon.benches, np.full((dragon.benches, 1), np.inf)
         self.space = pymunk.Space()
+        self._forces = JointForces(self.space)
         # A contact is reported when the benches touch, not when they are a tenth of a metre deep.
         self.space.collision_slop = 0.0
         self._motors: tuple[pymunk.Constraint, ...] = ()
@@ -142,12 +146,12 @@ class World:
         self.space.add(*self.shapes)
 
     @property
-    def joint_impulses(self) -> list[float]:
-        """Size of the impulse in each pivot during the last step, N s."""
-        return [pivot.impulse for pivot in self.pivots]
+    def joint_forces(self) -> Array:
+        """Mean force (N - 1,) in each pivot during the last step, N; see `JointForces`."""
+        return self._forces.sizes(self.pivots)
 
     def change(self, **changes: Any) -> None:
-        """Change `substep`, `iterations` or `drag` of the settings from the next step on."""
+        """Change `substep`, `iterations` or `drag` of the settings from the next step on, `substep` gradually."""
         self._given = replace(self._given, **changes)
         self._apply_settings()
 
@@ -159,7 +163,8 @@ class World:
         self.settings = self._given.resolved(top_speed=self.top_speed, pulled_mass=math.fsum(pulled))
         assert self.settings.substep is not None  # Set by `resolved`.
         assert self.settings.iterations is not None  # Set by `resolved`.
-        self.substep, self.space.iterations = self.settings.substep, self.settings.iterations
+        self.substep = next_length(self.space.current_time_step, self.settings.substep)
+        self.space.iterations = self.settings.iterations
         self.drag_rate = self.settings.drag * self.top_speed
         self.space.damping = math.exp(-self.drag_rate)
         # The motors turn the head with half its length times this force.
@@ -241,6 +246,8 @@ class World:
             # The head has its exact pose.
             correction[0] = 0.0
             self.poses = self.collided_poses + correction
+        assert self.settings.substep is not None  # Set by `resolved`.
+        self.substep = next_length(self.space.current_time_step, self.settings.substep)
 
     def _read(self, fields: BodyFields) -> Array:
         """Three fields of the benches (N, 3). NumPy is slow on parts of rows, so more of them are read separately."""
@@ -301,7 +308,8 @@ class World:
         self._write(velocity)
 
     def _write(self, head_velocity: Array) -> None:
-        """Write what `_send` has found to the spaces."""
+        """Write what `_send` has found to the spaces, and read what the step overwrites."""
+        self._forces.before_step(self.substep)
         batch.set_space_bodies(self.space, _POSES_AND_FORCES, self._outbox)
         batch.set_space_bodies(self._anchor_space, BodyFields.POSITION, self._anchor_outbox)
         _set_velocities([self._control], head_velocity[None])

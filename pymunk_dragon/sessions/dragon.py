@@ -15,7 +15,7 @@ from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import position_errors
 from pymunk_dragon.model.scenario import Scenario
 from pymunk_dragon.model.settings import MAX_STRIDE, EngineSettings
-from pymunk_dragon.physics.readings import arbiter_rows, joint_at
+from pymunk_dragon.physics.readings import arbiter_rows, impulse_of, joint_at
 from pymunk_dragon.physics.world import World, top_speed
 from pymunk_dragon.player.data import CURVE_ERROR, curve_points
 from pymunk_dragon.sessions.controls import Slider
@@ -29,8 +29,8 @@ _HEAD_LAG, _BRAKING = 1 / 50, 10.0
 # mm that the head travels in a step, twice as many as in `simulate` where contacts are resolved, and half its
 # iterations: 223 benches take a tenth of real time. With the most benches two cores keep up with real time.
 _STRIDE, _ITERATIONS, _MAX_BENCHES = 10.0, 30, 500
-# Number of all obstacles among those of benches.
-_OBSTACLE = 1_000_000
+# Number of all obstacles among those of benches: the static body is older than they are.
+_OBSTACLE = -1
 
 
 class DragonScene(Scene):
@@ -57,6 +57,9 @@ class DragonScene(Scene):
         # Rows of the contacts of pairs that touch, and of those in the step before.
         self._touching: dict[tuple[int, ...], list[tuple[float, ...]]] = {}
         self._touched = self._touching
+        # Impulses of pairs at `pre_solve`, which belong to earlier steps, and this step's length over that of the last.
+        self._earlier: dict[tuple[pymunk.Shape, ...], pymunk.Vec2d] = {}
+        self._ratio = 1.0
         self.space.on_collision(pre_solve=self._touch, data=False)
         self.space.on_collision(post_solve=self._touch, data=True)
         self.contacts(contacts)
@@ -83,7 +86,9 @@ class DragonScene(Scene):
     def _apply(self, *_: object) -> None:
         """Give the engine the values of the sliders."""
         self.world.change(**_settings(self.values))
-        self.step_length = self.world.substep
+
+    def _next_length(self) -> float:
+        return self.world.substep
 
     def advance(self) -> None:
         """Make a step of the dragon."""
@@ -92,6 +97,8 @@ class DragonScene(Scene):
             self.events.append("the head is at the end of its path")
             self.stops = True
         self._touched, self._touching = self._touching, {}
+        self._earlier.clear()
+        self._ratio = world.substep / world.space.current_time_step
         super().advance()
         world.read()
 
@@ -100,12 +107,15 @@ class DragonScene(Scene):
         if not solved:
             arbiter.process_collision = self._contacts_do == "resolve" and not self.world.returning
             if arbiter.process_collision:
+                self._earlier[arbiter.shapes] = arbiter.total_impulse
                 return
-        pair = i, j = tuple(sorted(self._numbers.get(shape, _OBSTACLE) for shape in arbiter.shapes))
+        numbers = [self._numbers.get(shape, _OBSTACLE) for shape in arbiter.shapes]
+        pair = i, j = min(numbers), max(numbers)
         if pair not in self._touched and pair not in self._touching:
-            self.events.append(f"bench {i} and an obstacle touch" if j == _OBSTACLE else f"benches {i} and {j} touch")
+            self.events.append(f"bench {j} and an obstacle touch" if i == _OBSTACLE else f"benches {i} and {j} touch")
             self.stops |= self._contacts_do == "stop"
-        self._touching.setdefault(pair, []).extend(arbiter_rows(arbiter, solved))
+        impulse = impulse_of(arbiter, self._earlier[arbiter.shapes], self._ratio).length if solved else 0.0
+        self._touching.setdefault(pair, []).extend(arbiter_rows(arbiter, numbers[0] == j, impulse))
 
     def contacts(self, value: str) -> None:
         """Choose what contacts do."""
@@ -165,7 +175,7 @@ class DragonScene(Scene):
             "poses": poses,
             "exact": states.poses[0],
             "errors": position_errors(self.march.dragon, poses, states.positions[0]),
-            "forces": np.array(self.world.joint_impulses) / self.step_length,
+            "forces": self.world.joint_forces,
             "contacts": np.array([row for rows in self._touching.values() for row in rows]).reshape(-1, 5),
         }
         touching = sorted({number for pair in self._touching for number in pair} - {_OBSTACLE})

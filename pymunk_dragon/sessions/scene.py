@@ -15,7 +15,8 @@ from pymunk_dragon._arguments import Array, finite, number, positive, whole, wor
 from pymunk_dragon.drawing.canvas import in_binary, packed
 from pymunk_dragon.drawing.debug_draw import DrawRecorder, area
 from pymunk_dragon.errors import DragonError, ParameterError
-from pymunk_dragon.physics.readings import Readings, body_at, energies, grip, joint_at, joint_rows
+from pymunk_dragon.physics.readings import QUANTITIES, Readings, Touches, body_at, energies, grip, joint_at, units
+from pymunk_dragon.physics.steps import next_length
 from pymunk_dragon.sessions.controls import Button, Key, PygameEvents, Slider
 
 # Largest acceleration by a hand, in m/s^2, as in Box2D's testbed; in scenes larger than this size, more.
@@ -52,7 +53,7 @@ class Scene:
     def __init__(self, space: pymunk.Space, play: Play = Play()) -> None:
         self.space, self.play = space, play
         # A program makes its first step later.
-        self.step_length = play.step or 1 / 60
+        self.step_length = self._chosen_length = play.step or 1 / 60
         self.steps, self.time = 0, 0.0
         self.events: list[str] = [] if play.events is None else play.events
         self.stops = self.waits_for_contact = False
@@ -63,6 +64,8 @@ class Scene:
         self._recorder = DrawRecorder()
         self._recorder.flags = self.drawn
         self._readings = Readings(space)
+        # What touches, while the scene waits for a contact.
+        self._touches: Touches | None = None
         self.pygame = next((each for each in play.controls if isinstance(each, PygameEvents)), None)
         self._pressed = {each.name: each for each in play.controls if isinstance(each, Button)}
         down = pymunk.Vec2d(0, 1 if play.y_down else -1)
@@ -83,15 +86,27 @@ class Scene:
 
     def advance(self) -> None:
         """Make a step; an error is raised if a body has no finite position after it."""
+        if self.waits_for_contact and self._touches is None:
+            self._touches = Touches(self.space)
+        self.step_length = self._next_length()
         if self.play.on_step is not None:
             self.play.on_step(self.space, self.time)
+        self._readings.before_step(self.step_length)
         self.space.step(self.step_length)
         self.steps += 1
         self.time += self.step_length
-        if self.waits_for_contact and self._readings.contact_begins():
+        if self._touches is not None and self._touches.begin():
             self.stops, self.waits_for_contact = True, False
+            self._touches = None
         if not self._readings.are_finite():
             raise DragonError("the bodies flew apart: reset, and take shorter steps")
+
+    def _next_length(self) -> float:
+        """Return the length of the next step, s, which approaches the chosen one, unless a program makes the steps."""
+        if self.play.step is None:
+            return self.step_length
+        before = self.step_length if self.steps else 0.0
+        return next_length(before, self._chosen_length)
 
     def _sliders(self) -> list[Slider]:
         """Return the sliders that any space has."""
@@ -112,7 +127,7 @@ class Scene:
         if slider.action is not None:
             slider.action(self.space, value)
         elif name == "step":
-            self.step_length = value / 1e3
+            self._chosen_length = value / 1e3
         elif not slider.rebuilds:
             setattr(self.space, name, value * self._down if name == "gravity" else value)
         self._wake()
@@ -222,7 +237,10 @@ class Scene:
         controls = {"parameters": now, "buttons": [name for name in self._pressed if name not in keys]}
         controls["keys"] = ["*"] if self.pygame else keys
         about = {"dragon": None, "step": self.step_length, "y_down": self.play.y_down, "units": self.play.units}
-        return controls | about | {"field": self.field, "plots": list({**energies(self.space), **self.play.plots})}
+        unit_of = units(self.play.units)
+        # The user's quantities have their units in their titles.
+        plots = {name: unit_of[kind] for name, kind in QUANTITIES.items()} | dict.fromkeys(self.play.plots, "")
+        return controls | about | {"field": self.field, "unit_of": unit_of, "plots": list(plots.items())}
 
     def state(self) -> dict[str, Any]:
         """Return what changes now and then."""
@@ -259,5 +277,5 @@ class Scene:
         """Return parts of the header and arrays of a frame."""
         self.space.debug_draw(self._recorder)
         calls, colours = packed(self._recorder.calls, grip)
-        joints = joint_rows(self.joints(), self.step_length)
+        joints = self._readings.joints(self.joints())
         return {"colours": colours}, {"calls": calls, "joints": joints, "contacts": self._readings.contacts()}

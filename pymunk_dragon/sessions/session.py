@@ -24,7 +24,7 @@ from pymunk_dragon.physics.callbacks import callbacks_raise
 from pymunk_dragon.sessions.dragon import DragonScene
 from pymunk_dragon.sessions.holds import Holds
 from pymunk_dragon.sessions.ready import SCENES, Ready, planned, ready
-from pymunk_dragon.sessions.restore import callbacks, silence
+from pymunk_dragon.sessions.restore import callbacks, discard
 from pymunk_dragon.sessions.scene import Scene
 
 # What was done to a scene since it was built, as it is written as JSON: `inputs` with the number of steps before each.
@@ -81,8 +81,8 @@ class Session:
         # Held while a step is made or messages are taken: a program that holds it may change the space.
         self.held, self._ended = threading.RLock(), threading.Event()
         self._thread = threading.Thread(target=self._run_to_the_end, name="pymunk-dragon live", daemon=True)
-        # Empties the handlers of the scene.
-        self._silence: Callable[[], None] = lambda: None
+        # Prepares the space of the scene for being freed.
+        self._discard: Callable[[], None] = lambda: None
         self._build(source, self._first)
         self._replay = self._steps_of(log) if log else None
 
@@ -198,7 +198,7 @@ class Session:
             if not self._ended.is_set():
                 self.stop()
             with self.held:
-                self._silence()
+                self._discard()
 
     def _run(self, steps: float = math.inf) -> None:
         """Take messages, and make frames, and so many steps when they are due."""
@@ -389,7 +389,7 @@ class Session:
         except Exception:
             self.tell(self._description)
             raise
-        self._silence_old_scene(source, scene)
+        self._discard_old_scene(source, scene)
         self.source, self.scene, self.values = source, scene, dict(values)
         # Values that sliders were given since the scene's first moment.
         self._chosen = dict(values)
@@ -401,11 +401,15 @@ class Session:
         self._events = min(self._events, _MAX_EVENTS)
         self._describe()
 
-    def _silence_old_scene(self, source: Ready, scene: Scene) -> None:
-        """Empty the handlers of the scene before this one, which Pymunk would call while it frees the space."""
+    def _discard_old_scene(self, source: Ready, scene: Scene) -> None:
+        """Prepare the space of the scene before this one for being freed, if this one has another."""
         if self.generation and self.scene.space is not scene.space:
-            self._silence()
-        self._silence = partial(silence, scene.space, [] if source.given else callbacks(scene.space))
+            self._discard()
+        if source.given:
+            # It belongs to the user, whose program may go on with it.
+            self._discard = lambda: None
+        else:
+            self._discard = partial(discard, scene.space, callbacks(scene.space))
 
 
 def _described(error: Exception) -> dict[str, Any]:

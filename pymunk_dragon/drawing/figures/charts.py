@@ -253,15 +253,15 @@ def _drift(subject: style.Subject) -> Figure:
 
 
 def _impulses(subject: style.Subject) -> Figure:
-    """Draw the force in every joint at several times: the impulse in a substep over the substep."""
+    """Draw the force in every joint at several times: the mean over a substep."""
     run = subject.run
-    if run is None or run.joint_impulses is None or run.substep is None:
-        raise ParameterError("run", run and "one without joint impulses", "a run of `simulate`")
+    if run is None or run.joint_forces is None or run.substep is None:
+        raise ParameterError("run", run and "one without forces in joints", "a run of `simulate`")
     # The frame of the contact follows a shortened substep, in which the joint solver has not converged.
     before = run.times < (run.first_contact.time if run.first_contact else np.inf)
-    times, forces = run.times[before], run.joint_impulses[before] / run.substep
+    times, forces = run.times[before], run.joint_forces[before]
     if not forces.max(initial=0.0) > 0:
-        raise ParameterError("run", "one without joint impulses", "a run of `simulate` with a frame before the contact")
+        raise ParameterError("run", "one without joint forces", "a run of `simulate` with a frame before the contact")
     rows = np.unique(np.searchsorted(times, _several_times(times[0], times[-1])))
     title = text("The joints carry up to {:.2f} N").format(forces[rows].max())
     subtitle = text("force in every joint, N: the mean over a substep of {:g} ms").format(1e3 * run.substep)

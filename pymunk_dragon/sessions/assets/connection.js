@@ -98,7 +98,7 @@ class Connection {
 // ---- binary frames: the length of a JSON header, the header, and arrays of 32-bit numbers
 
 const CONTACT_SIZE = 5; // numbers of a contact: point, normal, impulse; less than 0 without an arrow
-const JOINT_SIZE = 5; // numbers of a joint: two ends and the force
+const JOINT_SIZE = 6; // numbers of a joint: two ends, its force or torque, and 1 for a torque
 const CALL_HEAD = 7; // numbers of a call before its points
 
 function decodeFrame(buffer) {

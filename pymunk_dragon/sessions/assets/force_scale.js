@@ -1,4 +1,10 @@
-// Colours of bodies and forces, the scale of forces, its legend and the scale bar at the lower border of the canvas.
+// Colours of bodies and forces, the scales of forces and torques, their legends and the scale bar at the lower border.
+
+const EFFORTS = ["force", "torque"];
+const EFFORT_TEXTS = { force: "Force in the joint ({unit})", torque: "Torque in the joint ({unit})" };
+
+// The forces, or torques, of joints.
+const effortsOf = (joints, kind) => joints.filter((joint) => joint.kind === kind).map(({ effort }) => effort);
 
 // Pymunk's debug colours: of static shapes, of outlines and of collision points.
 const STATIC_COLOUR = "#95a5a6";
@@ -61,9 +67,9 @@ const superscript = (number) => [...String(number)].map((digit) => "⁰¹²³⁴
 const LEGEND_LEFT = 14, LEGEND_BOTTOM = 14, LEGEND_WIDTH = 168, LEGEND_HEIGHT = 9, LEGEND_ROOM = 50;
 const BAR_LONGEST = 110; // pixels: longest scale bar
 
-function drawLegend(painter) {
-  const { context, view, colours, forceScale } = painter;
-  const top = view.height - LEGEND_BOTTOM - LEGEND_HEIGHT - 16;
+function drawLegend(painter, kind, above) {
+  const { context, view, colours, model } = painter, scale = painter.scales[kind];
+  const top = view.height - LEGEND_BOTTOM - LEGEND_HEIGHT - 16 - above;
   const strip = context.createLinearGradient(LEGEND_LEFT, 0, LEGEND_LEFT + LEGEND_WIDTH, 0);
   RAMP.forEach((colour, k) => strip.addColorStop(k / (RAMP.length - 1), colour));
   context.fillStyle = strip;
@@ -72,10 +78,10 @@ function drawLegend(painter) {
   context.fillRect(LEGEND_LEFT, top, LEGEND_WIDTH, LEGEND_HEIGHT);
   context.strokeRect(LEGEND_LEFT, top, LEGEND_WIDTH, LEGEND_HEIGHT);
   painter.setFont("11px", "left", "alphabetic");
-  painter.drawText(localized("Force in the joint ({unit})", { unit: painter.model.forceUnit }), LEGEND_LEFT, top - 6);
+  painter.drawText(localized(EFFORT_TEXTS[kind], { unit: model.unitOf[kind] }), LEGEND_LEFT, top - 6);
   ["left", "center", "right"].forEach((align, k) => {
     context.textAlign = align;
-    const text = powerText(forceScale.bottom + k * DECADES / 2);
+    const text = powerText(scale.bottom + k * DECADES / 2);
     painter.drawText(text, LEGEND_LEFT + k * LEGEND_WIDTH / 2, top + LEGEND_HEIGHT + 13);
   });
 }

@@ -63,7 +63,7 @@ function decadesAround(values) {
 class LiveCharts {
   constructor(painter) {
     this.painter = painter;
-    const charts = ["error", "force", "step"].map((name) => [name, new Chart(element(`chart-${name}`), painter)]);
+    const charts = ["error", "step", ...EFFORTS].map((name) => [name, new Chart(element(`chart-${name}`), painter)]);
     this.charts = Object.fromEntries(charts);
     this.drawn = 0;
   }
@@ -73,7 +73,7 @@ class LiveCharts {
     for (const chart of Object.values(this.charts)) chart.clear();
     element("charts-error").hidden = !model.can("ghost");
     const names = model.benches ? [] : model.scene.plots; // a dragon has the charts above
-    this.quantities = names.map((name) => new Quantity(name, model.unitOf(name), this.painter));
+    this.quantities = names.map(([name, unit]) => new Quantity(name, unit, this.painter));
     element("charts-own").replaceChildren(...this.quantities.map(({ figure }) => figure));
     element("save-charts").hidden = !this.quantities.length;
   }
@@ -98,9 +98,9 @@ class LiveCharts {
   draw(frame, state, now) {
     if (now - this.drawn < CHART_EVERY) return;
     this.drawn = now;
-    const { error, force, step } = this.charts;
+    const { error, step } = this.charts, efforts = this.model.efforts(frame);
     if (error.shown) this.drawErrors(error, frame);
-    this.drawForces(force, frame, new Set(state.cuts));
+    for (const kind of EFFORTS) this.drawEfforts(kind, efforts, new Set(state.cuts));
     for (const quantity of this.quantities) quantity.draw();
     const step_length = (state.values.step ?? 1000 * this.model.scene.step);
     if (step.shown) this.drawSteps(step, frame, step_length / state.speed);
@@ -114,20 +114,23 @@ class LiveCharts {
     setText("value-error", worst < 0 ? "–" : localized("{error}, bench {i}", { error, i: worst }));
   }
 
-  drawForces(chart, frame, cuts) {
-    const { benches } = this.model, { bottom, top } = this.painter.forceScale;
-    const forces = benches ? [...frame.forces] : Array.from(rowsOf(frame.joints, JOINT_SIZE), (joint) => joint[4]);
-    element("charts-force").hidden = forces.length === 0;
-    if (!chart.shown) return;
-    const valid = (j) => forces[j] > 0 && !cuts.has(j);
-    chart.start([bottom, top], powerText, [-0.5, Math.max(1, forces.length) - 0.5]);
-    const points = forces.map((force, j) => [j, valid(j) ? Math.max(Math.log10(force), bottom) : NaN]);
-    if (benches) chart.track(points);
+  drawEfforts(kind, efforts, cuts) {
+    const chart = this.charts[kind], { bottom, top } = this.painter.scales[kind];
+    const joints = efforts.filter((joint) => joint.kind === kind);
+    element(`charts-${kind}`).hidden = joints.length === 0;
+    if (!chart.shown || !joints.length) return;
+    const isValid = ({ number, effort }) => effort > 0 && !cuts.has(number);
+    const upOf = (joint) => (isValid(joint) ? Math.max(Math.log10(joint.effort), bottom) : NaN);
+    const points = joints.map((joint) => [joint.number, upOf(joint)]);
+    chart.start([bottom, top], powerText, [-0.5, efforts.length - 0.5]);
+    if (this.model.benches) chart.track(points);
     else for (const [j, up] of points) chart.line([[j, bottom], [j, up]], { colour: "any", width: 4 });
     for (const j of cuts) chart.line([[j, bottom], [j, top]], { colour: "contact" });
-    const worst = forces.reduce((one, value, j) => (valid(j) && value > (forces[one] ?? 0) ? j : one), -1);
-    const force = this.model.forceText(forces[worst]);
-    setText("value-force", worst < 0 ? "–" : localized("{force}, joint {i}", { force, i: worst }));
+    const largest = largestOf(joints.filter(isValid).map(({ effort }) => effort));
+    const worst = joints.find((joint) => isValid(joint) && joint.effort === largest);
+    setText(`value-${kind}`, worst
+      ? localized("{force}, joint {i}", { force: this.model.effortText(worst), i: worst.number })
+      : "–");
   }
 
   drawSteps(chart, { step_time }, budget) {

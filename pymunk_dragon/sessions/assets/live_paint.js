@@ -11,7 +11,7 @@ class LivePainter extends Painter {
     const { dragon } = model.scene;
     Object.assign(this, { model, motion: model, payload: { dragon }, curve: dragon?.curve ?? [] });
     this.curveError = Math.max(dragon?.curve_error ?? 0, Number.EPSILON);
-    this.forceScale = new LogScale();
+    this.scales = { force: new LogScale(), torque: new LogScale() };
     this.impulseScale = new LogScale();
   }
 
@@ -26,7 +26,7 @@ class LivePainter extends Painter {
     const joints = model.joints(frame, poses, state.cuts);
     const benches = new Benches(model, poses), visible = this.visible(benches), inContact = new Set(frame.touching);
     const now = performance.now();
-    this.forceScale.include(largestOf(joints.map(({ force }) => force)), now);
+    for (const kind of EFFORTS) this.scales[kind].include(largestOf(effortsOf(joints, kind)), now);
     this.impulseScale.include(largestOf(frame.contacts.filter((_, k) => k % CONTACT_SIZE === CONTACT_SIZE - 1)), now);
     this.clear();
     if (show.curve && model.benches) this.drawCurve();
@@ -34,16 +34,16 @@ class LivePainter extends Painter {
       drawCalls(this, state.obstacles.map(obstacleCall));
       this.drawDragon({ frame, benches, visible, inContact, state, show, target });
     } else drawCalls(this, frame.calls);
-    const forces = show.forces && joints.length > 0;
-    if (forces) drawForces(this, joints);
+    const legends = EFFORTS.filter((kind) => show.forces && effortsOf(joints, kind).length > 0);
+    if (show.forces) drawEfforts(this, joints);
     if (show.labels) drawNumbers(this, benches, visible, inContact);
     drawCuts(this, benches, state.cuts);
     if (show.contacts) drawImpulses(this, frame);
     if (held) drawHeld(this, held);
     if (target) drawTarget(this, target);
     if (aims) drawAim(this);
-    if (forces) drawLegend(this);
-    drawScaleBar(this, forces ? LEGEND_ROOM : 0);
+    legends.forEach((kind, k) => drawLegend(this, kind, k * LEGEND_ROOM));
+    drawScaleBar(this, legends.length * LEGEND_ROOM);
   }
 
   drawDragon({ frame, benches, visible, inContact, state, show, target }) {

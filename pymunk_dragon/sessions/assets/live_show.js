@@ -17,7 +17,8 @@ function showScene(live) {
   setText("title", title);
   setText("text", translated(scene.text));
   setText("force-name", model.benches ? localized("Tension along the chain (N)")
-    : localized("Force by joint ({unit})", { unit: model.forceUnit }));
+    : localized("Force by joint ({unit})", { unit: model.unitOf.force }));
+  setText("torque-name", localized("Torque by joint ({unit})", { unit: model.unitOf.torque }));
   live.sliders.setParameters(scene.parameters);
   showLesson(scene);
   element("reset").title = scene.given

@@ -12,10 +12,7 @@ class Model {
     this.narrowest = dragon ? Math.min(...this.widths) : Math.max(side, Math.max(...field.size) / 10) / 50;
     this.up = scene.y_down ? -1 : 1;
     this.units = scene.units;
-    const si = this.units === "m";
-    this.forceUnit = si ? "N" : `kg ${this.units}/s²`;
-    this.impulseUnit = si ? "N s" : `kg ${this.units}/s`;
-    this.energyUnit = si ? "J" : `kg ${this.units}²/s²`;
+    this.unitOf = scene.unit_of; // of a force, torque, impulse, energy
   }
 
   // Whether the scene has something that others lack.
@@ -25,20 +22,16 @@ class Model {
     return { ...found, pointer: this.scene.keys.includes("*") }[ability] ?? true;
   }
 
-  // Unit of a quantity that every space has; those of the user's have it in their names.
-  unitOf(name) {
-    return name === "Momentum" ? this.impulseUnit : /^Kinetic .*energy$/.test(name) ? this.energyUnit : "";
-  }
-
   // A length as text.
   lengthText(value) {
     return this.units === "m" ? formatLength(value, 0) : `${Number(value.toPrecision(3))} ${this.units}`;
   }
 
-  forceText(force) {
-    if (!(force >= 0)) return "–";
-    if (this.units === "m" && force >= 1000) return `${(force / 1000).toFixed(1)} kN`;
-    return `${numberText(force)} ${this.forceUnit}`;
+  // The force or torque in a joint as text.
+  effortText({ kind, effort }) {
+    if (!(effort >= 0)) return "–";
+    if (this.units === "m" && effort >= 1000) return `${(effort / 1000).toFixed(1)} k${this.unitOf[kind]}`;
+    return `${numberText(effort)} ${this.unitOf[kind]}`;
   }
 
   // What a hand takes at a point, as the server does: a bench, or the shape with the best grip that is
@@ -55,15 +48,23 @@ class Model {
     return nearestWithin(slip, near.filter(({ call }) => call.grip === best), ({ distance }) => distance);
   }
 
-  // The joints of a frame: number, two ends and force. Those of a dragon are the holes that two benches share.
-  joints({ joints, forces }, poses, cuts) {
+  // Number and effort of each joint of a frame. The kind of an effort is "force" or "torque"; a step of 0 s has none.
+  efforts({ joints, forces }) {
+    if (this.benches) return Array.from(forces, (effort, number) => ({ number, effort, kind: "force" }));
+    return Array.from(rowsOf(joints, JOINT_SIZE), ([, , , , effort, rotary], number) =>
+      ({ number, effort, kind: rotary ? "torque" : "force" }));
+  }
+
+  // The same with the two ends of each joint. Those of a dragon are the holes that two benches share.
+  joints(frame, poses, cuts) {
+    const efforts = this.efforts(frame);
     if (!this.benches) {
-      return Array.from(rowsOf(joints, JOINT_SIZE), ([ax, ay, bx, by, force], number) =>
-        ({ number, ends: [[ax, ay], [bx, by]], force }));
+      const rows = [...rowsOf(frame.joints, JOINT_SIZE)];
+      return efforts.map((joint, j) => ({ ...joint, ends: [rows[j].slice(0, 2), rows[j].slice(2, 4)] }));
     }
     const { handles } = new Benches(this, poses);
-    return Array.from(forces, (force, number) => ({ number, ends: [handles[number + 1], handles[number + 1]], force }))
-      .filter(({ number }) => !cuts.includes(number));
+    const joints = efforts.map((joint, j) => ({ ...joint, ends: [handles[j + 1], handles[j + 1]] }));
+    return joints.filter(({ number }) => !cuts.includes(number));
   }
 
   // The joint whose line passes within `slip` of a point; null if there is none.

@@ -16,18 +16,19 @@ function drawErrors(painter, { exact, errors }) {
   drawGhosts(painter, ghosts, painter.visible(ghosts).filter((i) => errors[i] >= least));
 }
 
-// A disc at each joint: colour and size show the force.
-function drawForces({ context, view, colours, forceScale }, joints) {
+// A disc at each joint with a force, a square at one with a torque: colour and size show it.
+function drawEfforts({ context, view, colours, scales }, joints) {
   const paths = new Map();
-  for (const { ends: [one, two], force } of joints) {
+  for (const { ends: [one, two], effort, kind } of joints) {
     const x = (one[0] + two[0]) / 2, y = (one[1] + two[1]) / 2;
-    if (!(force >= 0) || !view.isVisible(x, y, 0)) continue;
-    const share = forceScale.share(force), shade = Math.round(share * (SHADES - 1));
+    if (!(effort >= 0) || !view.isVisible(x, y, 0)) continue;
+    const share = scales[kind].share(effort), shade = Math.round(share * (SHADES - 1));
     if (!paths.has(shade)) paths.set(shade, new Path2D());
-    const radius = SMALLEST_DISC + DISC_GROWTH * share;
+    const radius = SMALLEST_DISC + DISC_GROWTH * share, path = paths.get(shade);
     const [px, py] = view.toScreen(x, y);
-    paths.get(shade).moveTo(px + radius, py);
-    paths.get(shade).arc(px, py, radius, 0, TURN);
+    path.moveTo(px + radius, py);
+    if (kind === "torque") path.rect(px - radius, py - radius, 2 * radius, 2 * radius);
+    else path.arc(px, py, radius, 0, TURN);
   }
   context.strokeStyle = colours.ink;
   context.lineWidth = 0.75;
@@ -59,7 +60,7 @@ function drawImpulses(painter, frame) {
   strokeTwice(context, path, colours.background, COLLISION_COLOUR, 2);
   if (!largest || many) return;
   const { impulse, px, py } = largest, number = impulse >= 0.001 ? Number(impulse.toPrecision(2)) : "< 0.001";
-  drawLabel(painter, `${number} ${model.impulseUnit}`, px, py);
+  drawLabel(painter, `${number} ${model.unitOf.impulse}`, px, py);
 }
 
 // A cross at both holes of each cut joint.

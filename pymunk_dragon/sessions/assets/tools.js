@@ -218,7 +218,7 @@ class Tools {
 
   labelOf({ joint, bench }) {
     const { errors } = this.live.frame;
-    const force = joint && this.live.model.forceText(joint.force);
+    const force = joint && this.live.model.effortText(joint);
     if (joint) return localized("joint {i}: {force}", { i: joint.number, force });
     if (bench === undefined) return "";
     if (!(errors[bench] > 0)) return localized("bench {i}", { i: bench });
