@@ -11,7 +11,7 @@ import imageio_ffmpeg
 import numpy as np
 import pymunk
 import pytest
-from browser import english_words, needs_browser, opened, wait_until
+from browser import english_words, framed, needs_browser, opened, wait_until
 from live_sessions import PATIENCE, decoded, replayed, served
 
 from pymunk_dragon._language import in_language, texts
@@ -19,7 +19,7 @@ from pymunk_dragon.lessons import LESSONS
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.sessions.controls import Button, Key
-from pymunk_dragon.sessions.handle import source_of
+from pymunk_dragon.sessions.handle import live_page, source_of
 from pymunk_dragon.sessions.ready import SCENES, add, dragon
 from pymunk_dragon.sessions.scene import Play
 from pymunk_dragon.sessions.session import load_log
@@ -202,6 +202,21 @@ def test_button_films_the_canvas_in_h264_also_while_its_size_changes(browser, tm
     with opened(browser, film.as_uri()) as found:
         page = found.page
         assert page.evaluate(PLAYED, film.as_uri()) == list(2 * (sizes // 2))
+
+
+def test_page_works_in_a_frame_that_allows_scripts_only(browser):
+    # As in a notebook, without Python on the other side.
+    page, _ = live_page("A scene", "en")
+    with framed(browser, page, "srcdoc") as (_, frame):
+        wait_until(frame, "globalThis.live != null")
+        frame.click("#language")
+        assert frame.evaluate("document.documentElement.lang") == "zh"
+        frame.click("#help")
+        assert frame.locator("#about").is_visible()
+        frame.click("#close")
+        before = frame.evaluate("live.view.span")
+        frame.click("#zoom-in")
+        assert frame.evaluate("live.view.span") < before
 
 
 def test_finger_drags_a_box_on_a_phone(browser):

@@ -47,8 +47,7 @@ assert {PORTS} == before, "a port was opened"
 x, y = next(iter(spaces[-1].bodies)).position
 print(f"<{{x:.3f}} {{y:.3f}}>")
 """.split("---")
-# The second cell runs until a button of the page is pressed, the third makes the steps of a program of its own.
-BUSY = """
+BUILD = """
 import time
 import pymunk
 from pymunk_dragon import Button, live
@@ -63,19 +62,24 @@ def build():
 controls = [Button("End", ended.append)]
 session = live(build, controls=controls)
 session
----
+"""
+# Runs until a button of the page is pressed.
+SLEEP = """
 while not ended:
     time.sleep(0.01)
 ended.clear()
 print("<ended>")
----
+"""
+OWN = """
 own = live(build(), step=None, controls=controls)
 own
----
+"""
+# The same, with the steps of a program of its own.
+STEPS = """
 while not ended:
     own.step(1 / 60)
 print("<ended>")
-""".split("---")
+"""
 CIRCLE = "live.frame.calls.find(({ kind }) => kind === 'circle').points[0]"
 
 
@@ -353,7 +357,7 @@ def test_body_that_is_dragged_in_jupyterlab_moves_in_python_and_a_picture_remain
 @has_jupyterlab
 @has_threads
 def test_page_goes_on_while_a_cell_runs_and_its_inputs_take_effect(browser, tmp_path):
-    write_notebook(tmp_path, BUSY)
+    write_notebook(tmp_path, [BUILD, SLEEP, OWN, STEPS])
     with lab(tmp_path) as address, opened(browser, address, height=2400) as found:
         page = found.page
         for shows, loops in ((0, 1), (2, 3)):

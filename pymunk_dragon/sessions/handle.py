@@ -73,6 +73,8 @@ class Live(AbstractContextManager["Live"]):
         """Make a step of `dt` s, in place of ``space.step(dt)``, in a program that makes the steps itself.
 
         The program waits here until the step is due: in real time, or while the page has paused it.
+        In a notebook, show the session in an earlier cell, and run the loop when the page is there: ipykernel 7.4 takes
+        the first message of a page only between cells.
         """
         self._session.step(dt)
 
