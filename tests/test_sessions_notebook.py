@@ -379,5 +379,6 @@ def test_page_goes_on_while_a_cell_runs_and_its_inputs_take_effect(browser, tmp_
             wait_until(frame, "live.frame.held !== null")
             page.mouse.up()
             assert not ends(page, loops)
-            frame.click("#actions button")
+            # In a narrow frame its part of the page is folded.
+            frame.eval_on_selector("#actions button", "(button) => button.click()")
             wait(lambda: page.wait_for_timeout(20), lambda loops=loops: ends(page, loops))

@@ -62,8 +62,11 @@ for (const lesson of document.querySelectorAll(".lesson")) {
     if (choices.every((choice) => choice.reportValidity())) open();
   };
 
-  lesson.querySelector(".open").addEventListener("click", openGuessed);
-  lesson.querySelector(".open-unguessed").addEventListener("click", open);
+  // Also the button that takes the place of a live scene.
+  lesson.querySelector(".experiment").addEventListener("click", ({ target }) => {
+    if (target.closest(".open")) openGuessed();
+    if (target.closest(".open-unguessed")) open();
+  });
   guesses.addEventListener("keydown", ({ key }) => key === "Enter" && openGuessed());
 
   // Guess and result side by side, and what comes of each choice.
