@@ -1,10 +1,11 @@
 // Films the field.
 
-// The first one that the browser can write. H.264 is asked for by its name: Chromium writes VP9 into an MP4 that may have
-// any codec, which fewer players know.
+// The first one that the browser can write. H.264 has to be named: Chromium writes VP9 into an MP4 without a codec, and
+// fewer players know that.
 const FILM_TYPES = ["video/mp4;codecs=avc1", "video/webm", "video/mp4"];
 const FILM_RATE = 30; // pictures a second
-const FILM_PIXELS = 4096 * 2160; // most of a picture: H.264 ends at 36,864 blocks of 16 x 16 pixels, not all of them full
+// Most pixels of a picture: levels of H.264 end at 36,864 blocks of 16 x 16 pixels, not all of which are full.
+const FILM_PIXELS = 4096 * 2160;
 
 // H.264 has only even sizes.
 const even = (size) => Math.max(2, 2 * Math.floor(size / 2));
