@@ -8,10 +8,11 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from html import escape
 from typing import Any
 
 import pytest
-from playwright.sync_api import Browser, Dialog, Page, sync_playwright
+from playwright.sync_api import Browser, Dialog, Frame, Page, Route, sync_playwright
 
 CHROMIUM = shutil.which("chromium")
 needs_browser = pytest.mark.skipif(CHROMIUM is None, reason="no browser to open a page in: apt-get install chromium")
@@ -75,9 +76,29 @@ def english_words(page: Page) -> set[str]:
     return {word for text in page.evaluate(TEXTS) for word in re.findall(r"[A-Za-z]{3,}", text)}
 
 
-def wait_until(page: Page, expression: str, seconds: float = 120.0) -> None:
+def wait_until(page: Page | Frame, expression: str, seconds: float = 120.0) -> None:
     """Wait for an expression to become true; Playwright's own way needs `eval`, which a strict page forbids."""
     end = time.monotonic() + seconds
     while not page.evaluate(expression):
         assert time.monotonic() < end, f"still not true after {seconds:g} s: {expression}"
         page.wait_for_timeout(20)
+
+
+@contextmanager
+def framed(browser: Browser, content: str, how: str) -> Iterator[tuple[Opened, Frame]]:
+    """Open a page in the frame of another one, which allows it scripts and nothing else: by `src` or by `srcdoc`."""
+    value = {"src": "/page.html", "srcdoc": escape(content)}[how]
+    around = f'<!doctype html><iframe sandbox="allow-scripts" width="1200" height="780" {how}="{value}"></iframe>'
+
+    def answer(route: Route) -> None:
+        found = content if route.request.url.endswith("/page.html") else around
+        route.fulfill(body=found, content_type="text/html; charset=utf-8")
+
+    with opened(browser, "about:blank") as found:
+        found.page.route("http://frame.example/**", answer)
+        found.page.goto("http://frame.example/")
+        frame = found.page.wait_for_selector("iframe").content_frame()
+        assert frame is not None
+        yield found, frame
+        assert found.complaints == []
+        assert found.boxes == []

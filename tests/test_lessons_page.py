@@ -6,7 +6,7 @@ import base64
 import re
 
 import pytest
-from browser import needs_browser, opened, wait_until
+from browser import framed, needs_browser, opened, wait_until
 from lesson_runs import played
 from sharing import shared
 
@@ -22,7 +22,7 @@ pytestmark = [pytest.mark.thorough, needs_browser]
 ALL = list(LESSONS.values())
 LANGUAGES = ("en", "zh")
 UNFOLD = """for (const lesson of document.querySelectorAll('.lesson')) {
-  lesson.querySelector('.cover [formnovalidate]').click();
+  lesson.querySelector('.cover .open-unguessed').click();
   lesson.querySelector('.show').click();
   lesson.querySelector('details').open = true;
 }"""
@@ -136,14 +136,42 @@ def test_course_with_the_keyboard_guess_experiment_answer_and_again(seen):
     lesson.locator(".again").press("Enter")
     assert lesson.get_attribute("data-state") == "guess"
     assert not lesson.locator("input[name^=spiral]:checked").count()
-    lesson.locator(".cover [formnovalidate]").press("Enter")
+    lesson.locator(".cover .open-unguessed").press("Enter")
     assert lesson.get_attribute("data-state") == "open"
     assert lesson.locator("canvas").count() == 1
 
 
+@pytest.mark.parametrize("how", ["src", "srcdoc"])
+def test_course_language_and_links_work_in_a_frame_that_allows_scripts_only(browser, how):
+    page = make_page([played("spiral"), played("unguided")])
+    with framed(browser, page, how) as (_, frame):
+        frame.click(".languages button[value=zh]")
+        assert frame.evaluate("document.documentElement.lang") == "zh"
+        frame.click(".languages button[value=en]")
+        for name, opens in (("spiral", ".open"), ("unguided", ".open-unguessed")):
+            lesson = frame.locator(f"#{name}")
+            frame.click(f".contents a[href='#{name}']")
+            assert abs(frame.evaluate(f"document.querySelector('#{name}').getBoundingClientRect().top")) < 60
+            lesson.locator("input").first.check()
+            lesson.locator(opens).click()
+            assert lesson.locator(".stage :is(canvas, img)").is_visible()
+            lesson.locator(".show").click()
+            assert lesson.locator(".answer").is_visible()
+            lesson.locator(".code summary").click()
+            lesson.locator(".again").click()
+            assert not lesson.locator("input:checked").count()
+        lesson = frame.locator("#spiral")
+        lesson.locator("input").first.press("Space")
+        lesson.locator("input").first.press("Enter")
+        assert lesson.get_attribute("data-state") == "open"
+        # It cannot print, and says so.
+        assert not frame.locator(".sheets button").locator("visible=true").count()
+        assert frame.locator(".elsewhere").is_visible()
+
+
 def test_lesson_of_the_engine_shows_its_recorded_run_and_how_to_play_it_live(seen):
     lesson = seen.page.locator("#unguided")
-    lesson.locator(".cover [formnovalidate]").click()
+    lesson.locator(".cover .open-unguessed").click()
     assert lesson.locator(".stage[data-live=unguided] img").is_visible()
     assert "pymunk-dragon demo --live" in lesson.locator(".stage").inner_text()
 

@@ -5,13 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from browser import TEXTS, english_words, needs_browser, opened, wait_until
+from browser import TEXTS, english_words, framed, needs_browser, opened, wait_until
 from marches import TRACTOR
 from shapely import Polygon
 
 from pymunk_dragon import Dragon, March, Run, write_player
 from pymunk_dragon.model.dragon import bench_poses
-from pymunk_dragon.player.page import COLOURS, DARK
+from pymunk_dragon.player.page import COLOURS, DARK, player_page
 
 pytestmark = [pytest.mark.thorough, needs_browser]
 
@@ -331,3 +331,22 @@ def test_other_marches_and_odd_runs_are_shown(visit):
         corners = [Polygon(outline) for outline in TRACTOR.dragon.outlines(run.poses_at([time])[0])]
         gap = min(corners[0].distance(other) for other in corners[2:])
         assert ask(page, "player.numbers(0).gap") == pytest.approx(gap, abs=4 * resolution)
+
+
+@pytest.mark.parametrize("how", ["src", "srcdoc"])
+def test_player_works_in_a_frame_that_allows_scripts_only(browser, bumpy, how):
+    with framed(browser, player_page(bumpy), how) as (_, frame):
+        settled(frame, "player.time > 0")
+        frame.click("#language")
+        assert frame.evaluate("document.documentElement.lang") == "zh"
+        frame.click("#help")
+        frame.click("#close")
+        for name in ("next", "forward", "back", "previous", "zoom-in", "follow", "fit", "timeline-in", "timeline-all"):
+            frame.click(f"#{name}")
+        frame.check("#show-handles")
+        frame.fill("#bench", "3")
+        assert shown(frame, "speed").endswith(" m/s")
+        frame.click("#last")
+        settled(frame, "player.playing")
+        frame.locator("#field").press("Space")
+        settled(frame, "!player.playing")

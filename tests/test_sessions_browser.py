@@ -11,7 +11,7 @@ import imageio_ffmpeg
 import numpy as np
 import pymunk
 import pytest
-from browser import english_words, needs_browser, opened, wait_until
+from browser import english_words, framed, needs_browser, opened, wait_until
 from live_sessions import PATIENCE, decoded, replayed, served
 
 from pymunk_dragon._language import in_language, texts
@@ -19,7 +19,7 @@ from pymunk_dragon.lessons import LESSONS
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.sessions.controls import Button, Key
-from pymunk_dragon.sessions.handle import source_of
+from pymunk_dragon.sessions.handle import live_page, source_of
 from pymunk_dragon.sessions.ready import SCENES, add, dragon, program
 from pymunk_dragon.sessions.scene import Play
 from pymunk_dragon.sessions.session import load_log
@@ -153,21 +153,70 @@ def test_page_shows_the_largest_error_and_its_tool_cuts_the_joint_that_is_clicke
         assert_replays(session)
 
 
-def test_button_films_the_canvas(browser, tmp_path):
-    with shown(browser, dragon(March(Dragon(benches=30)))) as (_, page):
+# Codec, width and height of a film, as FFmpeg says them.
+VIDEO = r"Video: (\w+) .* (\d{2,})x(\d{2,})"
+# Size of a film that the browser plays.
+PLAYED = """async (address) => {
+  const video = Object.assign(document.createElement("video"), { muted: true, src: address });
+  await video.play();
+  return [video.videoWidth, video.videoHeight];
+}"""
+
+
+def filmed(page, folder, meanwhile):
+    """The file that the page films."""
+    page.click("#record")
+    wait_simulated(page, 1.0)
+    meanwhile()
+    wait_simulated(page, 1.0)
+    with page.expect_download() as download:
         page.click("#record")
-        wait_simulated(page, 2.0)
-        with page.expect_download() as download:
-            page.click("#record")
-        film = tmp_path / download.value.suggested_filename
-        download.value.save_as(film)
-    # The dragon moves in it. FFmpeg itself: imageio's reader leaves its pipes open.
-    command = [imageio_ffmpeg.get_ffmpeg_exe(), "-i", film, "-fps_mode", "passthrough", "-f", "rawvideo"]
-    done = subprocess.run([*command, "-pix_fmt", "gray", "-"], capture_output=True, check=True)
-    width, height = map(int, re.search(r"Video: .* (\d{2,})x(\d{2,})", done.stderr.decode()).groups())
-    first, *_, last = np.frombuffer(done.stdout, np.uint8).reshape(-1, height, width).astype(float)
-    assert (height, width) == pytest.approx((500, 900), rel=0.4)
+    film = folder / download.value.suggested_filename
+    download.value.save_as(film)
+    return film
+
+
+def pictures_of(film):
+    """Codec and pictures of a film, which has no damaged one. FFmpeg itself: imageio's reader leaves its pipes open."""
+    command = [imageio_ffmpeg.get_ffmpeg_exe(), "-err_detect", "explode", "-xerror", "-i", film]
+    command += ["-fps_mode", "passthrough", "-f", "rawvideo", "-pix_fmt", "gray", "-"]
+    done = subprocess.run(command, capture_output=True, check=True)
+    codec, width, height = re.search(VIDEO, done.stderr.decode()).groups()
+    assert "rror" not in done.stderr.decode()
+    return codec, np.frombuffer(done.stdout, np.uint8).reshape(-1, int(height), int(width)).astype(float)
+
+
+@pytest.mark.parametrize("later", [(1281, 803), (700, 900)])
+def test_button_films_the_canvas_in_h264_also_while_its_size_changes(browser, tmp_path, later):
+    with shown(browser, dragon(March(Dragon(benches=30))), width=1281, height=803) as (_, page):
+        sizes = np.array(page.evaluate("['width', 'height'].map((side) => document.getElementById('field')[side])"))
+        wide, high = later
+        film = filmed(page, tmp_path, lambda: page.set_viewport_size({"width": wide, "height": high}))
+        known = page.evaluate("MediaRecorder.isTypeSupported('video/mp4;codecs=avc1')")
+    codec, (first, *_, last) = pictures_of(film)
+    assert (film.suffix, codec) == ((".mp4", "h264") if known else (".webm", codec))
+    assert any(sizes % 2)
+    assert first.shape == tuple(2 * (sizes // 2)[::-1])
+    # The dragon moves in it.
     assert np.abs(first - last).max() > 100
+    with opened(browser, film.as_uri()) as found:
+        page = found.page
+        assert page.evaluate(PLAYED, film.as_uri()) == list(2 * (sizes // 2))
+
+
+def test_page_works_in_a_frame_that_allows_scripts_only(browser):
+    # As in a notebook, without Python on the other side.
+    page, _ = live_page("A scene", "en")
+    with framed(browser, page, "srcdoc") as (_, frame):
+        wait_until(frame, "globalThis.live != null")
+        frame.click("#language")
+        assert frame.evaluate("document.documentElement.lang") == "zh"
+        frame.click("#help")
+        assert frame.locator("#about").is_visible()
+        frame.click("#close")
+        before = frame.evaluate("live.view.span")
+        frame.click("#zoom-in")
+        assert frame.evaluate("live.view.span") < before
 
 
 def test_finger_drags_a_box_on_a_phone(browser):

@@ -8,6 +8,8 @@ import subprocess
 import sys
 import time
 from contextlib import contextmanager, suppress
+from contextvars import ContextVar, copy_context
+from importlib.metadata import version
 from importlib.util import find_spec
 from types import SimpleNamespace
 
@@ -45,6 +47,39 @@ assert {PORTS} == before, "a port was opened"
 x, y = next(iter(spaces[-1].bodies)).position
 print(f"<{{x:.3f}} {{y:.3f}}>")
 """.split("---")
+BUILD = """
+import time
+import pymunk
+from pymunk_dragon import Button, live
+
+ended = []
+def build():
+    space = pymunk.Space()
+    body = pymunk.Body(1, 1)
+    space.add(body, pymunk.Circle(body, 0.5))
+    return space
+
+controls = [Button("End", ended.append)]
+session = live(build, controls=controls)
+session
+"""
+# Runs until a button of the page is pressed.
+SLEEP = """
+while not ended:
+    time.sleep(0.01)
+ended.clear()
+print("<ended>")
+"""
+OWN = """
+own = live(build(), step=None, controls=controls)
+own
+"""
+# The same, with the steps of a program of its own.
+STEPS = """
+while not ended:
+    own.step(1 / 60)
+print("<ended>")
+"""
 CIRCLE = "live.frame.calls.find(({ kind }) => kind === 'circle').points[0]"
 
 
@@ -77,6 +112,40 @@ def wait(go_on, condition):
     while not condition():
         assert time.monotonic() < end
         go_on()
+
+
+def test_page_gets_its_answers_in_the_context_of_its_newest_message():
+    with watched() as (on, widget):
+        known, send = ContextVar("known", default=0), widget.send
+        found = []
+
+        def sent(content, buffers=()):
+            found.append(known.get())
+            send(content, buffers)
+
+        def received(number, content):
+            known.set(number)
+            receive(widget, content)
+
+        widget.send = sent
+        copy_context().run(received, 1, 0)
+        wait(on.settle, lambda: widget.frames)
+        assert set(found) == {1}
+        copy_context().run(received, 2, {"do": "ping", "id": 1})
+        found.clear()
+        widget.tell({"kind": "event"})
+        assert set(found) == {2}
+
+
+def test_page_is_sent_to_a_widget_that_requests_it_and_is_not_stored_with_each():
+    with watched() as (on, widget):
+        pages = []
+        widget.send = lambda content, buffers=(): pages.append(content["page"])
+        widget._handle_custom_msg("page", [])
+        assert pages[0].startswith("<!doctype html>")
+        stored = len(json.dumps(widget.get_state()))
+        assert stored < len(pages[0]) / 10
+        assert widget not in on.session.clients
 
 
 def kinds(widget):
@@ -190,6 +259,20 @@ def lab(folder):
         process.wait()
 
 
+# The manager of the widgets saves their states with the notebook.
+SAVES_STATE = "lab/user-settings/@jupyter-widgets/jupyterlab-manager/plugin.jupyterlab-settings"
+
+
+def write_notebook(folder, cells):
+    """Write a notebook with these cells, and a setting of JupyterLab."""
+    notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell.strip()) for cell in cells])
+    notebook.metadata.kernelspec = {"name": "python3", "display_name": "Python 3", "language": "python"}
+    nbformat.write(notebook, folder / "live.ipynb")
+    setting = folder / "JUPYTER_CONFIG_DIR" / SAVES_STATE
+    setting.parent.mkdir(parents=True, exist_ok=True)
+    setting.write_text('{"saveState": true}')
+
+
 NOTEBOOK = "globalThis.jupyterapp?.shell.currentWidget"
 RUN = """async (number) => {
   await jupyterapp.shell.currentWidget.sessionContext.ready;
@@ -198,19 +281,46 @@ RUN = """async (number) => {
 }"""
 
 
-def run_cell(page, number):
+# The same, without waiting for its end.
+START = f"(number) => {{ ({RUN})(number); }}"
+
+
+def run_cell(page, number, how=RUN):
     """Run a cell by JupyterLab's own command: it ignores keys that come while it starts."""
     wait_until(page, f"{NOTEBOOK}?.content?.widgets?.length > {number}")
-    page.evaluate(RUN, number)
+    page.evaluate(how, number)
+
+
+def frame_of(page, number):
+    """The frame of the widget that a cell shows, when it is connected."""
+    frame = page.wait_for_selector(f".jp-CodeCell >> nth={number} >> iframe[srcdoc]").content_frame()
+    wait_until(frame, "globalThis.live?.scene != null")
+    return frame
+
+
+def ends(page, number):
+    """Whether the cell has printed its last line."""
+    return page.locator(f".jp-CodeCell >> nth={number} >> .jp-OutputArea-output").all_inner_texts() == ["<ended>\n"]
+
+
+def save(page, path):
+    """Save the notebook, and return it as it is in its file."""
+    page.evaluate("jupyterapp.commands.execute('docmanager:save')")
+    wait(lambda: page.wait_for_timeout(20), lambda: "<img" in path.read_text())
+    return path.read_text()
+
+
+has_jupyterlab = pytest.mark.skipif(find_spec("jupyterlab") is None, reason="no JupyterLab: pip install jupyterlab")
+has_threads = pytest.mark.skipif(
+    int(version("ipykernel").split(".")[0]) < 7, reason="ipykernel takes no messages of widgets while a cell runs"
+)
 
 
 @pytest.mark.thorough
 @needs_browser
-@pytest.mark.skipif(find_spec("jupyterlab") is None, reason="no JupyterLab: pip install jupyterlab")
+@has_jupyterlab
 def test_body_that_is_dragged_in_jupyterlab_moves_in_python_and_a_picture_remains(browser, tmp_path):
-    notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell.strip()) for cell in CELLS])
-    notebook.metadata.kernelspec = {"name": "python3", "display_name": "Python 3", "language": "python"}
-    nbformat.write(notebook, tmp_path / "live.ipynb")
+    write_notebook(tmp_path, CELLS)
     with lab(tmp_path) as address, opened(browser, address, height=1600) as found:
         page = found.page
         run_cell(page, 0)
@@ -234,8 +344,41 @@ def test_body_that_is_dragged_in_jupyterlab_moves_in_python_and_a_picture_remain
         text = page.wait_for_selector(".jp-CodeCell >> nth=1 >> .jp-OutputArea-output").inner_text()
         x, y = map(float, text.strip("<>\n ").split())
         assert (x, y) == pytest.approx((1.5, 1), abs=0.2)
-        page.evaluate("jupyterapp.commands.execute('docmanager:save')")
-        wait(lambda: page.wait_for_timeout(20), lambda: "<img" in (tmp_path / "live.ipynb").read_text())
+        saved = save(page, tmp_path / "live.ipynb")
+        assert "application/vnd.jupyter.widget-state+json" in saved
+        assert "<!doctype html>" not in saved
         assert not [text for text in found.complaints if "Policy" in text or "Error" in text]
     with lab(tmp_path) as address, opened(browser, address, height=1600) as found:
         assert found.page.wait_for_selector("img[alt='A live session']").is_visible()
+
+
+@pytest.mark.thorough
+@needs_browser
+@has_jupyterlab
+@has_threads
+def test_page_goes_on_while_a_cell_runs_and_its_inputs_take_effect(browser, tmp_path):
+    write_notebook(tmp_path, [BUILD, SLEEP, OWN, STEPS])
+    with lab(tmp_path) as address, opened(browser, address, height=2400) as found:
+        page = found.page
+        for shows, loops in ((0, 1), (2, 3)):
+            run_cell(page, shows)
+            frame = frame_of(page, shows)
+            run_cell(page, loops, START)
+            # More than are sent without an answer.
+            wait_until(frame, f"live.frame?.step > 0 && live.drawn > {5 * widgets.MOST_FRAMES}")
+            frame.click("#play")
+            wait_until(frame, "!live.state.running")
+            assert not ends(page, loops)
+            step = frame.evaluate("live.frame.step")
+            frame.click("#play")
+            wait_until(frame, f"live.frame.step > {step}")
+            box = frame.locator("#field").bounding_box()
+            x, y = frame.evaluate(f"live.view.toScreen(...{CIRCLE})")
+            page.mouse.move(box["x"] + x, box["y"] + y)
+            page.mouse.down()
+            wait_until(frame, "live.frame.held !== null")
+            page.mouse.up()
+            assert not ends(page, loops)
+            # In a narrow frame its part of the page is folded.
+            frame.eval_on_selector("#actions button", "(button) => button.click()")
+            wait(lambda: page.wait_for_timeout(20), lambda loops=loops: ends(page, loops))

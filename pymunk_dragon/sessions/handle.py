@@ -73,6 +73,9 @@ class Live(AbstractContextManager["Live"]):
 
         The program waits here until the step is due: in real time, or while the page has paused it. An exception in a
         callback is raised here, and does not pause the session; one in a chart or a control is shown on the page.
+
+        In a notebook, show the session in an earlier cell, and run the loop when the page is there: ipykernel 7.4 takes
+        the first message of a page only between cells.
         """
         self._session.step(dt)
 

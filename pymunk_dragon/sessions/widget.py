@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
+from contextvars import copy_context
 from time import perf_counter
 from typing import Any
 
@@ -20,23 +22,30 @@ from pymunk_dragon.sessions.session import Session
 MOST_FRAMES = 6
 # s without a message, of which the page sends one every 5 s, after which nothing is sent: queues have no bound.
 SILENCE = 15.0
+# What the widget sends for the page.
+REQUEST = "page"
 
 
 class LiveWidget(AnyWidget):
-    """The page of a session, in a frame; a text from it is a message, a number that of a frame that it has drawn."""
+    """The page of a session, in a frame; a text from it is a message, a number that of a frame that it has drawn.
+
+    The notebook stores the traits that are synchronized: the page is none, and is sent when the widget requests it.
+    """
 
     _esm = asset(__package__, "assets/widget.js")
-    page = Unicode().tag(sync=True)
     # Class of the picture that the page replaces.
     still = Unicode().tag(sync=True)
     controls = True
 
     def __init__(self, session: Session) -> None:
-        page, _ = live_page(session.source.title, language())
-        super().__init__(page=page)
+        super().__init__()
         self.still = f"live-{self.model_id}"
+        # In the language of the caller, which other threads do not have.
+        self._page, _ = live_page(session.source.title, language())
         self._session, self._heard = session, 0.0
         self._sent = self._drawn = 0
+        # That of the page's newest message.
+        self._context = copy_context()
         self.on_msg(self._receive)
 
     def shown(self) -> Any:
@@ -53,11 +62,11 @@ class LiveWidget(AnyWidget):
         """Take no more messages, and have the page say so."""
         self.on_msg(self._receive, remove=True)
         self._session.leave(self)
-        self.send({"closed": True})
+        self._post({"closed": True})
 
     def tell(self, message: dict[str, Any]) -> None:
         """Send a text, also with numbers of NumPy."""
-        self.send({"text": json.dumps(message, allow_nan=False, default=float)})
+        self._post({"text": json.dumps(message, allow_nan=False, default=float)})
 
     def show(self, frame: bytes) -> None:
         """Send a frame, unless the page has to draw those before it."""
@@ -65,9 +74,22 @@ class LiveWidget(AnyWidget):
             self._session.leave(self)
         elif self._sent - self._drawn < MOST_FRAMES:
             self._sent += 1
-            self.send({"frame": self._sent}, [frame])
+            self._post({"frame": self._sent}, [frame])
+
+    def _post(self, content: dict[str, Any], buffers: Sequence[bytes] = ()) -> None:
+        """Send in the context of the page's newest message.
+
+        ipykernel 7.4 has an answer taken by the thread that took the message in whose context the question was sent. A
+        page's messages may have a thread of their own; the cells' one takes none while a cell runs.
+        """
+        # A copy, as other threads may send at the same time.
+        self._context.copy().run(self.send, content, list(buffers))
 
     def _receive(self, widget: object, content: object, buffers: object) -> None:
+        self._context = copy_context()
+        if content == REQUEST:
+            self._post({"page": self._page})
+            return
         self._heard = perf_counter()
         if content == 0 or self not in self._session.clients:
             # A page that begins anew has none of the frames that were sent before, and holds no body.

@@ -26,6 +26,16 @@ function download(blob, name) {
   setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
 }
 
+// Replace the address of the page, or a part of it.
+function rememberAddress(address) {
+  try {
+    history.replaceState(null, "", address);
+  } catch (error) {
+    // A page in a frame may have no address of its own, or may not change it.
+    if (error.name !== "SecurityError") throw error;
+  }
+}
+
 // The smallest of 1, 2 or 5 times a power of ten that is not below a value.
 function roundUp(value) {
   const power = 10 ** Math.floor(Math.log10(value));

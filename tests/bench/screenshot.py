@@ -29,7 +29,7 @@ if __name__ == "__main__":
         with chromium() as started, opened(started, address, WIDTH, HEIGHT) as found:
             page = found.page
             page.evaluate("window.dragon")  # of a player: once it has drawn
-            page.evaluate("document.querySelector(':target .cover [formnovalidate]')?.click()")
+            page.evaluate("document.querySelector(':target .cover .open-unguessed')?.click()")
             for name, value in (each.replace("_", " ").split("=") for each in sliders):
                 page.get_by_label(name, exact=True).fill(value)
                 page.get_by_label(name, exact=True).blur()

@@ -24,7 +24,7 @@ class Player extends Stage {
     this.slowTimes = slowTimes(this.events);
     // Slow near events; the selected is a bench.
     Object.assign(this, { slow: true, playing: false, selected: null });
-    this.writeLinkSoon = throttled(() => this.writeLink(), LINK_EVERY);
+    this.writeLinkSoon = throttled(() => rememberAddress(formatLink(this)), LINK_EVERY);
   }
 
   // ---- drawing
@@ -170,14 +170,6 @@ class Player extends Stage {
     const seen = this.follow === "head" ? localized("The dragon's {count} benches seen from above the head", { count })
       : localized("The dragon's {count} benches seen from above", { count });
     element("field").setAttribute("aria-label", `${seen}. ${description}.`);
-  }
-
-  writeLink() {
-    try {
-      history.replaceState(null, "", formatLink(this));
-    } catch {
-      // A page in a notebook's frame has no address of its own.
-    }
   }
 
   readLink() {

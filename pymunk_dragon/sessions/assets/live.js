@@ -168,6 +168,7 @@ class Live extends Stage {
     this.aims = this.pixel === null && element("field").matches(":focus-visible");
     tools.flush();
     painter.draw({ frame, poses, state, show: this.switches, held: tools.held, target: tools.target, aims: this.aims });
+    this.recorder.add();
     this.charts.draw(frame, state, now);
     showFrame(this);
     this.drawn += 1;
@@ -199,7 +200,7 @@ class Live extends Stage {
   setLanguage(name) {
     setLanguage(name);
     const address = name === DEFAULT_LANGUAGE ? location.pathname + location.search : `#lang=${name}`;
-    if (!IN_WIDGET) history.replaceState(null, "", address);
+    rememberAddress(address);
     if (!this.scene) return;
     this.showEvents();
     showScene(this);

@@ -2,20 +2,32 @@
 
 function render({ model, el }) {
   const frame = document.createElement("iframe");
-  Object.assign(frame, { srcdoc: model.get("page"), title: "A live session", width: "100%", height: 720 });
+  Object.assign(frame, { title: "A live session", width: "100%", height: 720 });
   frame.style.border = 0;
   frame.sandbox = "allow-scripts allow-downloads";
-  // The picture that remains in the notebook is hidden while the page is there.
-  const style = document.createElement("style");
-  style.textContent = `.${model.get("still")} { display: none !important; }`;
-  const toPage = (content, [view]) => {
+
+  // Without a kernel no page comes, and the picture remains that is hidden while the page is there.
+  const open = (page) => {
+    if (frame.srcdoc) return; // That of another view of this widget.
+    const style = document.createElement("style");
+    style.textContent = `.${model.get("still")} { display: none !important; }`;
+    frame.srcdoc = page;
+    el.append(style, frame);
+  };
+
+  const toPage = ({ page, ...content }, [view]) => {
+    if (page) {
+      open(page);
+      return;
+    }
     const bytes = view && new Uint8Array(view.buffer, view.byteOffset, view.byteLength).slice().buffer;
     frame.contentWindow?.postMessage({ ...content, bytes }, "*");
   };
-  const toPython = ({ source, data }) => source === frame.contentWindow && model.send(data);
+  const toPython = ({ source, data }) => source !== null && source === frame.contentWindow && model.send(data);
+
   model.on("msg:custom", toPage);
   window.addEventListener("message", toPython);
-  el.append(style, frame);
+  model.send("page");
   return () => {
     model.off("msg:custom", toPage);
     window.removeEventListener("message", toPython);

@@ -17,7 +17,7 @@ for (const button of buttons) {
     speak(button.value);
     // Other parts stay, as the token of a live server.
     const others = location.search.slice(1).split("&").filter((part) => part && !languages.includes(part));
-    history.replaceState(null, "", `?${[...others, button.value].join("&")}${location.hash}`);
+    rememberAddress(`?${[...others, button.value].join("&")}${location.hash}`);
   });
 }
 speak(location.search.slice(1).split("&").find((part) => languages.includes(part)) ?? root.lang);
@@ -38,8 +38,10 @@ function openScene(stage) {
 
 // The course of a lesson: guess, experiment, answer.
 for (const lesson of document.querySelectorAll(".lesson")) {
-  const form = lesson.querySelector(".guesses");
-  const fieldsets = [...form.querySelectorAll("fieldset")];
+  // No form: a frame with a sandbox allows none to be sent, and these are not.
+  const guesses = lesson.querySelector(".guesses");
+  const choices = [...guesses.querySelectorAll("input")];
+  const fieldsets = [...guesses.querySelectorAll("fieldset")];
   const stage = lesson.querySelector(".stage");
   const answer = lesson.querySelector(".answer");
 
@@ -48,14 +50,24 @@ for (const lesson of document.querySelectorAll(".lesson")) {
     for (const fieldset of fieldsets) fieldset.disabled = state !== "guess";
   };
 
-  form.addEventListener("submit", (event) => {
-    event.preventDefault();
+  const open = () => {
     enter("open");
     if (stage.dataset.live && !stage.querySelector("figure, iframe")) openScene(stage);
     if (stage.dataset.stage && !stage.hasChildNodes()) openStage(stage);
     const first = stage.querySelector("input, button, [tabindex]") ?? lesson.querySelector(".show");
     first.focus({ preventScroll: true });
+  };
+
+  const openGuessed = () => {
+    if (choices.every((choice) => choice.reportValidity())) open();
+  };
+
+  // Also the button that takes the place of a live scene.
+  lesson.querySelector(".experiment").addEventListener("click", ({ target }) => {
+    if (target.closest(".open")) openGuessed();
+    if (target.closest(".open-unguessed")) open();
   });
+  guesses.addEventListener("keydown", ({ key }) => key === "Enter" && openGuessed());
 
   // Guess and result side by side, and what comes of each choice.
   lesson.querySelector(".show").addEventListener("click", () => {
@@ -72,12 +84,25 @@ for (const lesson of document.querySelectorAll(".lesson")) {
   });
 
   lesson.querySelector(".again").addEventListener("click", () => {
-    form.reset();
+    for (const choice of choices) choice.checked = false;
     if (stage.dataset.stage) stage.replaceChildren(); // The experiment begins anew.
     enter("guess");
-    form.querySelector("input")?.focus();
+    choices[0]?.focus();
   });
 }
+
+// In a frame, a link to a part of this page could load the page around it: one of `srcdoc` has no address of its own.
+for (const link of window === top ? [] : document.querySelectorAll("a[href^='#']")) {
+  link.addEventListener("click", (event) => {
+    event.preventDefault();
+    const part = link.getAttribute("href");
+    document.querySelector(part).scrollIntoView();
+    rememberAddress(part);
+  });
+}
+
+// A page in a frame with a sandbox cannot print.
+root.classList.toggle("sandboxed", window !== top && self.origin === "null");
 
 // Sheets to print: for the class or for the teacher, of one lesson or of all.
 for (const button of document.querySelectorAll(".sheets button")) {
