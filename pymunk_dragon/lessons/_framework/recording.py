@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pymunk_dragon._extras import FEATURES
+from pymunk_dragon._extras import FEATURES, is_installed
 from pymunk_dragon._files import temporary_folder
 from pymunk_dragon._signals import signals_held
 from pymunk_dragon.errors import DragonError, MissingExtraError, OutputError, ParameterError
@@ -50,7 +50,7 @@ def run(lesson: Lesson, folder: Path) -> Iterator[str]:
         finally:
             process.kill()
     if process.returncode:
-        if (missing := MISSING.search(errors)) and missing[1] in FEATURES:
+        if (missing := MISSING.search(errors)) and missing[1] in FEATURES and not is_installed(missing[1]):
             raise MissingExtraError("a lesson", "demos")
         if unwritten := re.search(r"OSError: \[Errno \d+\] (.+)", errors):
             raise OutputError("the picture of the lesson", unwritten[1])

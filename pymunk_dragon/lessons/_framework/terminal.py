@@ -6,10 +6,10 @@ import os
 import sys
 import tempfile
 import textwrap
-from importlib.util import find_spec
 from itertools import pairwise
 from pathlib import Path
 
+from pymunk_dragon._extras import is_installed
 from pymunk_dragon._language import in_language, text
 from pymunk_dragon.errors import MissingExtraError
 from pymunk_dragon.lessons._framework.lesson import Lesson, blocks, lessons
@@ -49,7 +49,7 @@ def play(lesson: Lesson, save: str | Path | None = None, *, language: str = "en"
     >>> Path("pictures/spiral.png").exists()
     True
     """
-    if "matplotlib" in lesson.source and find_spec("matplotlib") is None:
+    if "matplotlib" in lesson.source and not is_installed("matplotlib"):
         raise MissingExtraError("a lesson", "demos")
     folder = Path(tempfile.mkdtemp(prefix="pymunk-dragon-")) if save is None else make_folder(save)
     said = lesson.sections(language)
