@@ -9,8 +9,9 @@ import textwrap
 from itertools import pairwise
 from pathlib import Path
 
+from pymunk_dragon._arguments import instance, word
 from pymunk_dragon._extras import is_installed
-from pymunk_dragon._language import in_language, text
+from pymunk_dragon._language import LANGUAGES, in_language, text
 from pymunk_dragon.errors import MissingExtraError
 from pymunk_dragon.lessons._framework.lesson import Lesson, blocks, lessons
 from pymunk_dragon.lessons._framework.markup import plain
@@ -49,6 +50,8 @@ def play(lesson: Lesson, save: str | Path | None = None, *, language: str = "en"
     >>> Path("pictures/spiral.png").exists()
     True
     """
+    instance("lesson", lesson, Lesson, "a Lesson")
+    word("language", language, LANGUAGES)
     if "matplotlib" in lesson.source and not is_installed("matplotlib"):
         raise MissingExtraError("a lesson", "demos")
     folder = Path(tempfile.mkdtemp(prefix="pymunk-dragon-")) if save is None else make_folder(save)
