@@ -70,9 +70,10 @@ def instance(name: str, value: object, kind: type[T] | UnionType, described: str
 
 def instances(name: str, value: object, kind: type[T] | UnionType, described: str) -> tuple[T, ...]:
     """`value` as a tuple, if it is a sequence of objects of a class, or of one of several."""
-    is_sequence = isinstance(value, Sequence) and not isinstance(value, str | bytes)
-    if is_sequence and all(isinstance(each, kind) for each in value):
-        return tuple(value)
+    if isinstance(value, Sequence) and not isinstance(value, str | bytes):
+        items = tuple(value)
+        if all(isinstance(each, kind) for each in items):
+            return items
     raise ParameterError(name, value, described)
 
 

@@ -187,7 +187,7 @@ class PillowDrawOptions(DrawRecorder):
 
     def __init__(self, image: Image.Image, *, positive_y_is_up: bool = False, line_width: float = 1.0) -> None:
         super().__init__()
-        if not isinstance(image, Image.Image) or image.mode != "RGB":
+        if instance("image", image, Image.Image, "a PIL.Image.Image").mode != "RGB":
             raise ParameterError("image", image, "a PIL.Image.Image in mode RGB")
         self.image = image
         self.positive_y_is_up = flag("positive_y_is_up", positive_y_is_up)

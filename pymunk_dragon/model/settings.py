@@ -12,7 +12,6 @@ from typing import Any, Literal, get_args
 
 from pymunk_dragon._arguments import finite, positive, whole, word
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.model.speed import MAX_SPEED, MIN_SPEED
 
 # Response to contacts: end the run, go on and record them, or let the engine push the benches apart.
 _Contacts = Literal["stop", "report", "resolve"]
@@ -86,7 +85,7 @@ class EngineSettings:
         `top_speed` is the highest one of the head, m/s, and `pulled_mass` that of the benches on which the head has to
         balance the ground drag, kg. In a substep the head may travel from 0.01 mm to 0.1 m.
         """
-        top_speed = finite("top_speed", top_speed, MIN_SPEED, MAX_SPEED, "m/s")
+        top_speed = positive("top_speed", top_speed, math.inf, "m/s")
         pulled_mass = positive("pulled_mass", pulled_mass, math.inf, "kg")
         resolves, force = self.contacts == "resolve", self.head_force
         stride, iterations = (_RESOLVE_STRIDE, _RESOLVE_ITERATIONS) if resolves else (_STRIDE, _ITERATIONS)

@@ -165,7 +165,8 @@ def live(
     ...     print(session.address.partition(":")[0])
     http
     """
-    label("host", host)
+    if not label("host", host).isprintable():
+        raise ParameterError("host", host, "a name or an address")
     whole("port", port, 0, _MAX_PORT)
     if isinstance(allow_hosts, str):
         raise ParameterError("allow_hosts", allow_hosts, "a sequence of names")
@@ -194,6 +195,7 @@ def _check_play(play: Play) -> None:
         function(f"plot {title!r}", plot)
     if play.events is not None:
         instance("events", play.events, list, "a list, to which texts are appended")
+        instances("events", play.events, str, "a list of texts")
     flag("y_down", play.y_down)
     label("units", play.units)
 

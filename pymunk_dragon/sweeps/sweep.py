@@ -97,14 +97,14 @@ def sweep(
     begin = perf_counter()
     function("progress", progress)
     flag("resume", resume)
-    files = [out] if isinstance(out, str | Path) else instances("out", out, str | Path, "a path, or several")
+    paths = (out,) if isinstance(out, str | Path) else instances("out", out, str | Path, "a path, or several")
     chosen = quantity_of(quantity)
     points = axes_of(axes, chosen.parameters)
     given = given_values(scenario, points)
     base = base_values(chosen, given, points)
-    if resume and not files:
+    if resume and not paths:
         raise ParameterError("resume", resume, "absent without a file to write")
-    files = [check_format(path, points) for path in files]
+    files = [check_format(path, points) for path in paths]
     pool = _pool(executor, scheduler, workers)
     with Partial(files, _description(chosen, points, base), points, resume=resume) as partial:
         with pool as started:

@@ -31,7 +31,8 @@ VALUES = [
     *((value, "array list empty") for value in ([], ())),
     *((value, "array list") for value in ([1, 2], (0.5, 0.25), [0, 1e308], [math.nan], range(3))),
     *((value, "array") for value in (np.zeros((2, 5)), np.zeros((0, 3)), np.arange(4.0) * 1e300, [[]])),
-    *((value, "list") for value in ([None], ["a"], [[1], [1, 2]], [object()])),
+    *((value, "list") for value in ([None], [[1], [1, 2]], [object()])),
+    (["a"], "list texts"),
     *((value, "complex") for value in (1j, [1j])),
     *((value, "") for value in (b"x", object(), np.array("x"), np.array([None]), {1, 2}, math, Ellipsis)),
     (np.int64(3), "int number array"),
@@ -53,6 +54,7 @@ SQUARE = [(0, 0), (1, 0), (1, 1), (0, 1)]
 CONTACT = Contact(time=0.5, raw_time=0.5, benches=(0, 2), point=(1.0, 1.0), normal=(1.0, 0.0), depth=0.0)
 EVENT = ContactEvent(time=0.5, phase="begin", benches=(0, 2))
 TABLE = dragons.SpeedTable([0, 10], [1, 2])
+STUDIED = dragons.max_speed(DRAGON)
 THREAD = ThreadPoolExecutor(1)
 
 
@@ -91,12 +93,6 @@ def of_session(name, **arguments):
     """Call a method of a session without a server."""
     with dragons.live(own_space(), step=None, browser=False) as session:
         getattr(session, name)(**arguments)
-
-
-def swept(axes=None, **arguments):
-    """A small sweep."""
-    given = {"scenario": {"benches": 4, "turns": 2.0}, "quantity": "max-speed", "executor": THREAD}
-    return dragons.sweep(axes=axes or {"pitch": [0.5]}, **given | arguments)
 
 
 def turn(**arguments):
@@ -277,7 +273,7 @@ CALLS = {
     # Pictures.
     "Camera": (Camera, {"follow": ("head", "text"), "span": OPTIONAL}),
     "Film": (Film, FILM),
-    "Film.texts": (Film().texts, {"headings": (("x",), "empty")}),
+    "Film.texts": (Film().texts, {"headings": (("x",), "empty texts")}),
     "Film.timing": (Film(speedup=1.0).timing, {"sources": ([RUN], "")}),
     "Film.window": (Film().window, {"sources": ([RUN], "")}),
     "render": (
@@ -337,15 +333,18 @@ CALLS = {
             "progress": (FUNCTION, "function"),
         },
     ),
+    "Result.to_dict": (STUDIED.to_dict, {}),
+    "Result.plot": (STUDIED.plot, {}),
+    "Result.write_figure": (STUDIED.write_figure, {"path": file(".svg")}),
     "Study.answer": (
         studies.STUDIES["max-speed"].answer,
         {"values": ({"limit": 0.0}, "mapping"), "progress": (FUNCTION, "function")},
     ),
     "sweep": (
-        swept,
+        dragons.sweep,
         {
-            **{"scenario": ({"benches": 4, "turns": 2.0}, "mapping"), "quantity": ("max-speed", "text")},
-            **{"axes": ({"pitch": [0.5]}, "mapping"), "executor": (THREAD, ""), "out": ((), "empty path")},
+            **{"scenario": ({"benches": 4, "turns": 2.0}, "mapping none"), "quantity": ("max-speed", "text")},
+            **{"axes": ({"pitch": [0.5]}, "mapping"), "executor": (THREAD, "none"), "out": ((), "empty texts path")},
             **{"resume": (False, "bool"), "workers": COUNT, "progress": (FUNCTION, "function")},
         },
     ),
@@ -365,9 +364,9 @@ CALLS = {
         live,
         {
             **{"what": (own_space, ""), "step": SETTING, "on_step": PROGRESS, "controls": ((), "empty")},
-            **{"plots": (None, "none empty"), "events": (None, "none"), "y_down": FLAG, "units": TEXT},
+            **{"plots": (None, "none empty"), "events": (None, "none empty texts"), "y_down": FLAG, "units": TEXT},
             **{"paused": FLAG, "browser": (False, "bool"), "host": ("127.0.0.1", "path"), "port": (0, "int")},
-            "allow_hosts": ((), "empty"),
+            "allow_hosts": ((), "empty texts"),
         },
     ),
     "Live.step": (lambda dt: of_session("step", dt=dt), {"dt": (0.01, "number")}),
