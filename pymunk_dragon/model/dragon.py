@@ -138,7 +138,7 @@ class Dragon:
     def outlines(self, poses: ArrayLike) -> Array:
         """Corners (..., M, 4, 2) in m of the first M benches, at `poses` (..., M, 3); see the function `outlines`."""
         pose = self._poses("poses", poses)
-        return outlines(pose, self.lengths[: pose.shape[-2]], self.widths[: pose.shape[-2]])
+        return rectangles(pose, self.lengths[: pose.shape[-2]], self.widths[: pose.shape[-2]])
 
     def outlines_between(self, handles: Complex) -> Complex:
         """The same (..., M, 4) between `handles` (..., M + 1), as complex numbers."""
@@ -201,11 +201,16 @@ def outlines(poses: ArrayLike, lengths: ArrayLike, width: ArrayLike) -> Array:
     """
     pose, length, across = numbers("poses", poses, 3), numbers("lengths", lengths), numbers("width", width)
     within("lengths", length, *_SIDES, "m")
-    within("width", across, *_SIDES, "m")
+    within("width", across, 0.0, MAX_COORDINATE, "m")
     fitting("poses, lengths and width", pose.shape[:-1], length.shape, across.shape)
-    along = _headings(pose) * length / 2
-    left = along * (1j * across / length)
-    return as_vectors(_rectangles(as_complex(pose[..., :2]), along, left))
+    return rectangles(pose, length, across)
+
+
+def rectangles(poses: Array, lengths: Array, widths: Array) -> Array:
+    """What `outlines` returns, without checks: a side that is too short for a picture may be negative."""
+    along = _headings(poses) * lengths / 2
+    left = along * (1j * widths / lengths)
+    return as_vectors(_rectangles(as_complex(poses[..., :2]), along, left))
 
 
 def pose_step(before: Array, after: Array) -> Array:

@@ -249,8 +249,8 @@ class PackageCurve(Curve):
         """Upper bound (...) on the absolute curvature between two coordinates, 1/m."""
         one, two = numbers("s", s), numbers("other", other)
         fitting("s and other", one.shape, two.shape)
-        lower = np.maximum(np.minimum(one, two), self.begin_s)
-        upper = np.minimum(np.maximum(one, two), self.end_s)
+        lower = np.maximum(np.minimum(one, two), max(self.begin_s, -_FARTHEST_S))
+        upper = np.minimum(np.maximum(one, two), min(self.end_s, _FARTHEST_S))
         on = lower <= upper
         return np.where(on, self._max_curvature(np.where(on, lower, np.nan), upper), 0.0)
 
