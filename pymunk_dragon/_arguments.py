@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import fields
 from numbers import Integral, Real
+from types import UnionType
 from typing import Any, TypeVar
 
 import numpy as np
@@ -14,6 +15,8 @@ from numpy.typing import NDArray
 from pymunk_dragon.errors import ParameterError
 
 A = TypeVar("A", bound=np.generic)
+C = TypeVar("C", bound=Callable[..., Any])
+T = TypeVar("T")
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -55,6 +58,58 @@ def word(name: str, value: object, words: Iterable[str]) -> str:
     if isinstance(value, str) and value in known:
         return value
     raise ParameterError(name, value, f"one of {', '.join(known)}")
+
+
+def instance(name: str, value: object, kind: type[T] | UnionType, described: str) -> T:
+    """`value`, if it is an object of a class."""
+    if isinstance(value, kind):
+        checked: T = value
+        return checked
+    raise ParameterError(name, value, described)
+
+
+def instances(name: str, value: object, kind: type[T] | UnionType, described: str) -> tuple[T, ...]:
+    """`value` as a tuple, if it is a sequence of objects of a class, or of one of several."""
+    if isinstance(value, Sequence) and not isinstance(value, str | bytes):
+        items = tuple(value)
+        if all(isinstance(each, kind) for each in items):
+            return items
+    raise ParameterError(name, value, described)
+
+
+def flag(name: str, value: object) -> bool:
+    """`value` as a bool."""
+    return bool(instance(name, value, bool | np.bool_, "True or False"))
+
+
+def label(name: str, value: object) -> str:
+    """`value`, if it is a text."""
+    return instance(name, value, str, "a text")
+
+
+def function(name: str, value: C) -> C:
+    """`value`, if it can be called."""
+    if callable(value):
+        return value
+    raise ParameterError(name, value, "a function")
+
+
+def within(name: str, values: Array, low: float, high: float, unit: str) -> Array:
+    """`values`, if all of them are finite numbers within [low, high]."""
+    wrong = values[~((values >= low) & (values <= high))]
+    if wrong.size:
+        raise ParameterError(name, wrong[0].item(), f"numbers from {low:g} to {high:g} {unit}".rstrip())
+    return values
+
+
+def fitting(names: str, *shapes: tuple[int, ...]) -> None:
+    """Check that arrays of these shapes can be combined, element by element."""
+    if len(set(shapes)) == 1:  # As most are; the general way takes five times as long.
+        return
+    try:
+        np.broadcast_shapes(*shapes)
+    except ValueError as error:
+        raise ParameterError(f"the shapes of {names}", shapes, "ones that go together") from error
 
 
 def numbers(name: str, value: object, *tail: int, kind: type = float) -> NDArray[Any]:

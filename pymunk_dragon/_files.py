@@ -23,6 +23,8 @@ def check_destination(path: str | Path, endings: Iterable[str]) -> Path:
 
     A device or a FIFO needs no ending if there is only one to choose from.
     """
+    if not isinstance(path, str | Path):
+        raise ParameterError("output", path, "a path")
     destination, known = Path(path), list(endings)
     with temporary_folder(destination):
         unnamed = len(known) == 1 and _is_stream(destination)

@@ -2,17 +2,25 @@
 
 import contextlib
 import math
+import warnings
 
 import numpy as np
+import pymunk
+import pytest
 from conftest import assert_says, refusal
 from test_curve_kinds import LogarithmicSpiral
 
 from pymunk_dragon import Dragon, March, Run, Scenario, SpeedTable, World, first_contact, player_page, report, simulate
 from pymunk_dragon.collision import Grid, scan
-from pymunk_dragon.drawing import render
+from pymunk_dragon.drawing import Film, render
+from pymunk_dragon.drawing.figures import figure
 from pymunk_dragon.errors import DragonError
 from pymunk_dragon.model.curves import Arc, Composite, Curve, Line, Reversed, Sampled, Spiral, UTurn, check_curve
 from pymunk_dragon.model.dragon import bench_poses, outlines
+from pymunk_dragon.reports import paper_tables, write_contact_table, write_tables
+from pymunk_dragon.sessions import Button, Key, Slider, live
+from pymunk_dragon.studies import max_speed, min_pitch, sensitivity, u_turn
+from pymunk_dragon.sweeps import sweep
 
 SMALL = Dragon(benches=4)
 
@@ -116,6 +124,65 @@ def test_arguments_of_the_wrong_kind_raise_no_errors_of_the_code_inside():
     with np.errstate(all="ignore"):
         for call, arguments in CALLS:
             for name, value in [(name, value) for name in arguments for value in NONSENSE]:
-                # Arrays whose shapes do not go together are a ValueError of NumPy's.
-                with contextlib.suppress(DragonError, ValueError):
+                with contextlib.suppress(DragonError):
                     call(**arguments | {name: value})
+
+
+# Calls with one wrong argument, and the name of that argument.
+REFUSED = [
+    *(
+        (study, {"dragon": value}, "dragon")
+        for study in (max_speed, min_pitch, sensitivity, u_turn)
+        for value in (5, "x", 3, True, 0, "", [])
+    ),
+    (paper_tables, {"march": 3, "impact_time": None}, "march"),
+    (write_tables, {"march": 3, "times": [0], "path": "new.xlsx"}, "march"),
+    (write_tables, {"march": MARCH, "times": [10**400], "path": "new.xlsx"}, "times"),
+    (write_contact_table, {"march": MARCH, "impact_time": 10**400, "path": "new.xlsx"}, "impact_time"),
+    (figure, {"name": "gap", "source": 0}, "source"),
+    (render, {"source": MARCH, "path": "new.png", "film": 0}, "film"),
+    *((sweep, {"scenario": value, "axes": {"pitch": [0.5]}}, "scenario") for value in (0, "")),
+    *(
+        (Run, {"march": MARCH, "times": [0.0], "poses": POSES[None], "drift": np.zeros((1, 4)), name: value}, name)
+        for name, value in (("first_contact", 1.5), ("events", [None]), ("wall_seconds", "x"))
+    ),
+    (Film, {"start": "x"}, "start"),
+    (Film, {"legend": 3}, "legend"),
+    (Slider, {"name": "a", "low": 0, "high": 1, "value": 7}, "value"),
+    (Slider, {"name": "a", "low": 0, "high": 1, "action": "x"}, "action"),
+    (Button, {"name": 3, "action": 4}, "name"),
+    (Button, {"name": "a", "action": 4}, "action"),
+    (Key, {"name": "a", "action": print, "up": "x"}, "up"),
+    (outlines, {"poses": POSES, "lengths": np.array([1.0, 0.0, 1.0, 1.0]), "width": 1.0}, "lengths"),
+    (PATH.chain, {"s": [1.0], "spacings": [math.nan]}, "spacings"),
+    (first_contact, {"march": MARCH, "until": 1.0, "progress": 3}, "progress"),
+]
+
+
+@pytest.mark.parametrize(("call", "arguments", "name"), REFUSED)
+def test_a_wrong_argument_is_refused_by_the_call_that_receives_it(call, arguments, name, here):
+    assert refusal(call, **arguments).name == name
+    assert list(here.iterdir()) == []
+
+
+def test_what_does_not_apply_to_a_march_is_refused_by_a_live_session():
+    others = {"on_step": print, "step": 0.1, "controls": [Button("a", print)], "plots": {"a": len}, "y_down": True}
+    for name, value in others.items():
+        assert refusal(live, MARCH, browser=False, **{name: value}).name == name
+    for name, value in {"controls": "x", "on_step": 5, "plots": {"a": 1}, "events": ["a", 3], "port": -1}.items():
+        assert name.rstrip("s") in str(refusal(live, pymunk.Space(), browser=False, **{name: value}))
+
+
+def test_times_far_beyond_a_run_have_its_last_poses():
+    run = Run.exact(MARCH, [0.0, 0.1])
+    with warnings.catch_warnings(action="error"):
+        assert np.array_equal(run.poses_at([1e308, -1e308]), run.poses_at([0.1, 0.0]))
+        assert np.isnan(Spiral().point(-1e308)).all()
+    assert refusal(run.poses_at, [math.nan]).name == "times"
+
+
+def test_a_space_with_values_outside_the_ranges_of_the_sliders_is_shown():
+    space = pymunk.Space()
+    space.iterations, space.damping = 300, 1.5
+    with live(space, browser=False) as session:
+        assert session.address

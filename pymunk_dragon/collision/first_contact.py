@@ -24,7 +24,7 @@ from typing import Any
 
 import numpy as np
 
-from pymunk_dragon._arguments import Array, Flags, Indices, as_complex, as_vectors
+from pymunk_dragon._arguments import Array, Flags, Indices, as_complex, as_vectors, function
 from pymunk_dragon.collision.bounds import UNPROVEN_ROUNDING, Intervals, MotionBounds, near_pairs
 from pymunk_dragon.collision.result import FirstContact, NearMiss, Status
 from pymunk_dragon.collision.sat import deepest_overlap, separation
@@ -111,6 +111,8 @@ def first_contact(
     ('contact', (0, 8))
     """
     start, until = checked_times(march, start, until)
+    if progress is not None:
+        function("progress", progress)
     march.handles_s(start)  # An error names the time of this march.
     steady = march.steady()
     begin, end = march.distance([start, until]).tolist()

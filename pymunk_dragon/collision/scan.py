@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from pymunk_dragon._arguments import Array, positive
+from pymunk_dragon._arguments import Array, function, positive
 from pymunk_dragon.collision.first_contact import result_at
 from pymunk_dragon.collision.grid import Grid
 from pymunk_dragon.collision.result import FirstContact, Status
@@ -67,6 +67,8 @@ def scan(
     (0, 8)
     """
     start, until = checked_times(march, start, until)
+    if progress is not None:
+        function("progress", progress)
     step = positive("step", step, np.inf, "s")
     end = min(until, march.end)
     if (end - start) / step > _MAX_SAMPLES:

@@ -59,7 +59,7 @@ import pymunk
 from PIL import Image, ImageDraw
 from pymunk.space_debug_draw_options import SpaceDebugColor as Colour
 
-from pymunk_dragon._arguments import finite
+from pymunk_dragon._arguments import finite, flag, instance
 from pymunk_dragon.drawing import strokes
 from pymunk_dragon.errors import ParameterError
 
@@ -202,10 +202,10 @@ class PillowDrawOptions(DrawRecorder):
 
     def __init__(self, image: Image.Image, *, positive_y_is_up: bool = False, line_width: float = 1.0) -> None:
         super().__init__()
-        if getattr(image, "mode", None) != "RGB":
+        if instance("image", image, Image.Image, "a PIL.Image.Image").mode != "RGB":
             raise ParameterError("image", image, "a PIL.Image.Image in mode RGB")
         self.image = image
-        self.positive_y_is_up = positive_y_is_up
+        self.positive_y_is_up = flag("positive_y_is_up", positive_y_is_up)
         # Pillow draws a line of one drawn pixel step by step, however long the line is; a wide one hides the picture.
         self.line_width = finite("line_width", line_width, 1, 100, "pixels")
 
@@ -214,6 +214,7 @@ class PillowDrawOptions(DrawRecorder):
 
         A `ParameterError` is raised if `area` has no extent, or `margin` leaves less than 2 pixels.
         """
+        instance("area", area, pymunk.Space | pymunk.BB, "a pymunk.Space or a pymunk.BB")
         width, height = self.image.size
         margin = finite("margin", margin, 0, min(width, height) / 2 - 1, "pixels")
         box = extent(area) if isinstance(area, pymunk.Space) else area

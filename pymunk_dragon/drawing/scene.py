@@ -16,7 +16,7 @@ from pymunk_dragon.drawing.marks import Layer, draw_overlays
 from pymunk_dragon.drawing.palette import BLOCK, COLOURS
 from pymunk_dragon.drawing.snapshots import SAMPLES, Source, march_of, states
 from pymunk_dragon.model.contact import Contact
-from pymunk_dragon.model.dragon import Dragon, outlines
+from pymunk_dragon.model.dragon import Dragon, rectangles
 from pymunk_dragon.model.run import Run
 
 # m: diameter of a hole in the paper. Only pictures depend on it.
@@ -183,7 +183,7 @@ def _draw_benches(layer: Layer, contact: Contact | None) -> None:
     seen = np.flatnonzero(layer.holds(poses[:, :2], float(dragon.lengths.max())))[::-1]
     # ImageDraw also fills the pixels on a polygon's edge, so every side is inset by half a pixel.
     lengths, widths = dragon.lengths[seen] - 1 / layer.scale, dragon.widths[seen] - 1 / layer.scale
-    polygons = np.floor(layer.pixels(outlines(poses[seen], lengths, widths))).reshape(-1, 8)
+    polygons = np.floor(layer.pixels(rectangles(poses[seen], lengths, widths))).reshape(-1, 8)
     draw = ImageDraw.Draw(layer.image)
     for bench, polygon in zip(seen.tolist(), polygons.tolist(), strict=True):
         draw.polygon(polygon, fill=getattr(COLOURS, special.get(bench, "body")), outline=COLOURS.ink)

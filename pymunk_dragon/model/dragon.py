@@ -10,7 +10,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pymunk_dragon._arguments import Array, Complex, as_complex, as_vectors, finite, numbers, read_only, whole
+from pymunk_dragon._arguments import (
+    MAX_COORDINATE,
+    Array,
+    Complex,
+    as_complex,
+    as_vectors,
+    finite,
+    fitting,
+    numbers,
+    read_only,
+    whole,
+    within,
+)
 from pymunk_dragon.errors import ParameterError
 
 # m: the same for all benches, or one for each.
@@ -22,6 +34,8 @@ _BENCHES = 223
 _MIN_BENCHES, _MAX_BENCHES = 2, 10_000
 # m. Centimetres and millimetres given as metres are longer than the longest bench.
 _LENGTHS = 0.001, 100.0
+# m: of rectangles of any kind. The products of shorter sides would be zero.
+_SIDES = 1e-150, MAX_COORDINATE
 # Those in the paper's tables, beside the last one.
 _TABLE_HANDLES = (0, 1, 51, 101, 151, 201)
 
@@ -124,7 +138,7 @@ class Dragon:
     def outlines(self, poses: ArrayLike) -> Array:
         """Corners (..., M, 4, 2) in m of the first M benches, at `poses` (..., M, 3); see the function `outlines`."""
         pose = self._poses("poses", poses)
-        return outlines(pose, self.lengths[: pose.shape[-2]], self.widths[: pose.shape[-2]])
+        return rectangles(pose, self.lengths[: pose.shape[-2]], self.widths[: pose.shape[-2]])
 
     def outlines_between(self, handles: Complex) -> Complex:
         """The same (..., M, 4) between `handles` (..., M + 1), as complex numbers."""
@@ -145,7 +159,9 @@ class Dragon:
     def hole_velocities(self, poses: ArrayLike, velocities: ArrayLike) -> tuple[Array, Array]:
         """Velocities of both, each (..., N, 2) in m/s, from the rates of change (..., N, 3) of `poses`."""
         rates = self._poses("velocities", velocities, self.benches)
-        half = self.spacings / 2 * _headings(self._poses("poses", poses, self.benches))
+        pose = self._poses("poses", poses, self.benches)
+        fitting("poses and velocities", pose.shape, rates.shape)
+        half = self.spacings / 2 * _headings(pose)
         centres, turning = as_complex(rates[..., :2]), 1j * rates[..., 2] * half
         return as_vectors(centres + turning), as_vectors(centres - turning)
 
@@ -184,14 +200,17 @@ def outlines(poses: ArrayLike, lengths: ArrayLike, width: ArrayLike) -> Array:
     [[-1.0, -0.5], [1.0, -0.5], [1.0, 0.5], [-1.0, 0.5]]
     """
     pose, length, across = numbers("poses", poses, 3), numbers("lengths", lengths), numbers("width", width)
-    shapes = pose.shape[:-1], length.shape, across.shape
-    try:
-        np.broadcast_shapes(*shapes)
-    except ValueError as error:
-        raise ParameterError("the shapes of poses, lengths and width", shapes, "ones that go together") from error
-    along = _headings(pose) * length / 2
-    left = along * (1j * across / length)
-    return as_vectors(_rectangles(as_complex(pose[..., :2]), along, left))
+    within("lengths", length, *_SIDES, "m")
+    within("width", across, 0.0, MAX_COORDINATE, "m")
+    fitting("poses, lengths and width", pose.shape[:-1], length.shape, across.shape)
+    return rectangles(pose, length, across)
+
+
+def rectangles(poses: Array, lengths: Array, widths: Array) -> Array:
+    """What `outlines` returns, without checks: a side that is too short for a picture may be negative."""
+    along = _headings(poses) * lengths / 2
+    left = along * (1j * widths / lengths)
+    return as_vectors(_rectangles(as_complex(poses[..., :2]), along, left))
 
 
 def pose_step(before: Array, after: Array) -> Array:

@@ -206,6 +206,7 @@ class March(Displayed):
 
         Else it begins with the last handle at `start` s, or at 0 s if that has none, and ends with handle 0 at `until`.
         """
+        start, until = (finite(name, time, -np.inf, np.inf, "s") for name, time in (("start", start), ("until", until)))
         first, last = self.curve.begin_s, self.curve.end_s
         if first == -np.inf:
             tails = self.motion_or_nan([start, 0.0]).handles_s[:, -1]
@@ -295,8 +296,7 @@ class March(Displayed):
     def _travelled(self, times: ArrayLike) -> tuple[Array, Array]:
         """A copy of `times` as an array (T,) in s, and the distances (T,) then, m."""
         t = numbers("times", times).flatten()
-        with np.errstate(over="ignore"):
-            travelled = self.distance(t)
+        travelled = self.distance(t)
         bad = ~(np.isfinite(t) & (travelled >= -_MAX_RETREAT))
         if bad.any():
             earliest = float(self.time(-_MAX_RETREAT))

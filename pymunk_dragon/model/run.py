@@ -12,12 +12,23 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
+from types import NoneType
 from typing import IO, Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pymunk_dragon._arguments import MAX_COORDINATE, Array, ArrayRecord, numbers, read_only, word
+from pymunk_dragon._arguments import (
+    MAX_COORDINATE,
+    Array,
+    ArrayRecord,
+    finite,
+    instance,
+    instances,
+    numbers,
+    read_only,
+    word,
+)
 from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon._language import text
 from pymunk_dragon.errors import DragonError, FileFormatError, ParameterError
@@ -124,16 +135,24 @@ class Run(ArrayRecord, Displayed):
         shapes = [(frames,), (frames, benches, 3), (frames, benches), (frames, benches, 3), (frames, benches - 1)]
         for (name, kind), shape in zip(_KINDS.items(), shapes, strict=True):
             if name != "joint_forces" or self.joint_forces is not None:
-                # A copy, because the caller may change the array.
-                array = np.array(numbers(name, getattr(self, name)), dtype=kind)
+                array = numbers(name, getattr(self, name))
                 if array.shape != shape:
                     raise ParameterError(f"the shape of a run's {name}", array.shape, f"{shape}, as its march has")
                 # The drift is a distance of two poses, or nan where the model has none.
                 limit = {"poses": MAX_COORDINATE, "drift": 3 * MAX_COORDINATE}.get(name, np.finfo(kind).max)
                 if not ((np.abs(array) <= limit) | (np.isnan(array) & (name == "drift"))).all():
                     raise ParameterError(name, array, f"finite and within {limit:g}")
-                object.__setattr__(self, name, read_only(array))
+                # A copy, because the caller may change the array.
+                object.__setattr__(self, name, read_only(np.array(array, dtype=kind)))
+        object.__setattr__(
+            self, "events", ContactLog(instances("events", self.events, ContactEvent, "a sequence of ContactEvents"))
+        )
+        instance("first_contact", self.first_contact, Contact | NoneType, "a Contact or None")
+        for name in ("wall_seconds", "step_seconds"):
+            if getattr(self, name) is not None:
+                finite(name, getattr(self, name), 0.0, math.inf, "s")
         word("outcome", self.outcome, get_args(Outcome))
+        instance("provenance", self.provenance, Mapping, "a mapping of JSON values")
         try:
             # A copy, and lists for tuples, as in a file.
             object.__setattr__(self, "provenance", json.loads(json.dumps(dict(self.provenance))))
@@ -231,6 +250,9 @@ class Run(ArrayRecord, Displayed):
 
     def _motion_at(self, times: ArrayLike) -> tuple[Array, Array]:
         t = numbers("times", times).ravel()
+        if np.isnan(t).any():
+            raise ParameterError("times", math.nan, "numbers")
+        t = np.clip(t, self.times[0], self.times[-1])
         last = len(self.times) - 1
         after = np.clip(np.searchsorted(self.times, t), min(1, last), last)
         before = np.maximum(after - 1, 0)

@@ -47,7 +47,7 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
 
-from pymunk_dragon._arguments import numbers
+from pymunk_dragon._arguments import flag, label, numbers
 from pymunk_dragon._files import read_text
 from pymunk_dragon.errors import FileFormatError, ParameterError
 from pymunk_dragon.model.curves import Curve, Sampled
@@ -126,6 +126,7 @@ class Scenario:
         >>> Scenario.from_dict({"dragon": {"benches": 5}, "curve": {"kind": "u-turn", "ratio": 3}}).values()["radius"]
         4.5
         """
+        flag("files", files)
         flat = Scenario.flat(values)
         for name, value in {} if files else flat.items():
             if _is_file(value):
@@ -165,6 +166,8 @@ class Scenario:
         """Values by the names of the parameters of a `Scenario`, from nested tables or from such values."""
         if not isinstance(values, Mapping):
             raise ParameterError("scenario", values, "a mapping of names and values")
+        for name in values:
+            label("name of a value", name)
         flat = {name: value for name, value in values.items() if name != "dragon"}
         dragon = values.get("dragon", {})
         if not isinstance(dragon, Mapping):

@@ -85,6 +85,8 @@ class EngineSettings:
         `top_speed` is the highest one of the head, m/s, and `pulled_mass` that of the benches on which the head has to
         balance the ground drag, kg. In a substep the head may travel from 0.01 mm to 0.1 m.
         """
+        top_speed = positive("top_speed", top_speed, math.inf, "m/s")
+        pulled_mass = positive("pulled_mass", pulled_mass, math.inf, "kg")
         resolves, force = self.contacts == "resolve", self.head_force
         stride, iterations = (_RESOLVE_STRIDE, _RESOLVE_ITERATIONS) if resolves else (_STRIDE, _ITERATIONS)
         substep = stride / top_speed if self.substep is None else self.substep

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -10,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pymunk_dragon._arguments import Array, finite, numbers, positive
+from pymunk_dragon._arguments import Array, finite, number, numbers, positive
 from pymunk_dragon._files import number_rows
 from pymunk_dragon.errors import FileFormatError, ParameterError
 
@@ -18,6 +19,8 @@ from pymunk_dragon.errors import FileFormatError, ParameterError
 MIN_SPEED, MAX_SPEED = 1e-6, 20.0
 # s, thirty years. At this time a double still resolves microseconds.
 _MAX_TIME = 1e9
+# s or m. Larger times and distances count as infinite; at this one a double resolves 0.1 s or m.
+_FARTHEST = 1e15
 # s. Smallest time between entries; faster changes of speed are jumps.
 _MIN_STEP = 1e-6
 # Entries of the table of a function, which take some 100 MB.
@@ -96,7 +99,7 @@ class SpeedTable:
 
     def distance(self, t: ArrayLike) -> Array:
         """Distance (T,), m, travelled from time 0 to `t` (T,) in s, negative before 0: a quadratic between entries."""
-        t = numbers("t", t)
+        t = _rounded(numbers("t", t))
         if len(self.speeds) == 1:  # As most are; the general way takes twenty times as long.
             return np.asarray(self.speeds[0] * t)
         times, speeds, accelerations, distances = self._knots
@@ -107,7 +110,7 @@ class SpeedTable:
 
     def time(self, distance: ArrayLike) -> Array:
         """Times (T,), s, at which a `distance` (T,) in m is reached: the inverse of the method `distance`."""
-        distance = numbers("distance", distance)
+        distance = _rounded(numbers("distance", distance))
         times, speeds, accelerations, distances = self._knots
         i = np.maximum(np.searchsorted(distances, distance, side="right") - 1, 0)
         gone = np.where(np.isfinite(distance), distance - distances[i], 0.0)
@@ -119,6 +122,9 @@ class SpeedTable:
     def fastest(self, start: float, until: float) -> float:
         """Largest speed, m/s, from `start` to `until`, s."""
         times, speeds, *_ = self._knots
+        for name, value in (("start", start), ("until", until)):
+            if math.isnan(number(value)):
+                raise ParameterError(name, value, "a number, s")
         return float(np.append(self.at([start, until]), speeds[(start < times) & (times < until)]).max())
 
     @cached_property
@@ -134,3 +140,8 @@ class SpeedTable:
         zero = int(np.searchsorted(times, 0.0))
         distances = np.concatenate([-np.cumsum(steps[:zero][::-1])[::-1], [0.0], np.cumsum(steps[zero:])])
         return times, speeds, accelerations, distances
+
+
+def _rounded(values: Array) -> Array:
+    """`values`, of which those that are too large are infinite."""
+    return np.where(np.abs(values) > _FARTHEST, np.copysign(np.inf, values), values)

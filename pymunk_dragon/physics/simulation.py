@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from pymunk_dragon._arguments import Array, as_vectors
+from pymunk_dragon._arguments import Array, as_vectors, function
 from pymunk_dragon._signals import signals_held
-from pymunk_dragon.errors import DragonError, ParameterError, UnreachableError
+from pymunk_dragon.errors import DragonError, UnreachableError
 from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog
 from pymunk_dragon.model.dragon import pose_step
 from pymunk_dragon.model.march import March, checked_times
@@ -88,9 +88,9 @@ def simulate(
     """
     start, until = checked_times(march, start, until)
     world = World(march, guide, settings, start=start, until=until, **changes)
-    for name, function in (("on_event", on_event), ("progress", progress)):
-        if function is not None and not callable(function):
-            raise ParameterError(name, function, "a function")
+    for name, given in (("on_event", on_event), ("progress", progress)):
+        if given is not None:
+            function(name, given)
     loop = _Loop(world, Recorder(world, on_event))
     loop.play(until, progress)
     times, poses, velocities, forces = (np.array(values) for values in zip(*loop.frames, strict=True))

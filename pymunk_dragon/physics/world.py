@@ -13,7 +13,7 @@ import pymunk
 from pymunk import batch
 from pymunk.batch import BodyFields
 
-from pymunk_dragon._arguments import Array, finite, whole, word
+from pymunk_dragon._arguments import Array, finite, flag, instance, whole, word
 from pymunk_dragon.errors import ParameterError, UnreachableError
 from pymunk_dragon.model.march import March, States, check_march
 from pymunk_dragon.model.settings import EngineSettings
@@ -36,6 +36,9 @@ _RETURN_SPEED, _RETURN_RATE, _RETURNED = 4.0, 20.0, 0.1
 _RECOVERING = 5.0
 # Then the largest force on a bench, over the ground drag on it at the head's top speed, and torque at 1 m.
 _MAX_GUIDE_FORCE = 20.0
+
+# Factor on the speed of the march, and per metre: more is taken for a typing error.
+_MAX_SPEEDUP, _MAX_BRAKING = 1e3, 1e6
 
 # Fields of all bodies that are read after a step or written before it; combined here, as that takes microseconds.
 _POSES = BodyFields.POSITION | BodyFields.ANGLE
@@ -109,8 +112,7 @@ class World:
     ) -> None:
         check_march(march)
         settings = EngineSettings() if settings is None else settings
-        if not isinstance(settings, EngineSettings):
-            raise ParameterError("settings", settings, "an EngineSettings")
+        instance("settings", settings, EngineSettings, "an EngineSettings")
         start = finite("start", start, -_MAX_TIME, _MAX_TIME, "s")
         if until is not None and finite("until", until, -_MAX_TIME, _MAX_TIME, "s") <= start:
             raise ParameterError("until", until, f"later than the start, {start:g} s")
@@ -262,6 +264,9 @@ class World:
         then solve the joints, so the poses given to it lie one such move before the ones at which the joints shall
         hold.
         """
+        instance("states", states, States, "the States of a march")
+        row = whole("row", row, 0, len(states.times) - 1)
+        share = finite("share", share, 0.0, _MAX_SPEEDUP, "")
         given = self.poses + self._shift
         self._out_poses[:] = given
         self._send(given + self.substep * self.velocities, states, row, share)
@@ -272,6 +277,10 @@ class World:
         Where the head is `lag` widths off, the march loses a share `braking` of its speed in a metre at full speed, and
         regains it ten times more slowly. `speed` is a factor, and `recovers` whether one that stands goes to the head.
         """
+        lag = finite("lag", lag, 0.0, math.inf, "widths")
+        braking = finite("braking", braking, 0.0, _MAX_BRAKING, "per metre")
+        speed = finite("speed", speed, 0.0, _MAX_SPEEDUP, "")
+        recovers = flag("recovers", recovers)
         distance = self._control.position.get_distance(self.bodies[0].position) / self.march.dragon.widths.min()
         change = -braking if distance > lag else braking / 10
         self.share = min(max(self.share + change * self.top_speed * self.substep, 0.0), 1.0)

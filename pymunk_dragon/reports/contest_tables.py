@@ -12,13 +12,13 @@ from traceback import clear_frames
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pymunk_dragon._arguments import Array
+from pymunk_dragon._arguments import Array, finite, numbers
 from pymunk_dragon._extras import library
 from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon._language import text
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model._display import table, width
-from pymunk_dragon.model.march import March
+from pymunk_dragon.model.march import March, check_march
 
 # s: times of the paper's tables 1 and 2.
 _TABLE_TIMES = (0.0, 60.0, 120.0, 180.0, 240.0, 300.0)
@@ -41,7 +41,8 @@ def write_tables(march: March, times: ArrayLike, path: str | Path) -> None:
     >>> write_tables(March(), range(301), "result1.xlsx")
     """
     destination = check_destination(path, (".xlsx",))
-    t = np.array(times, dtype=float).ravel()
+    check_march(march)
+    t = numbers("times", times).ravel()
     if not 1 <= t.size < _MAX_COLUMNS:
         raise ParameterError("times", t.size, f"1 to {_MAX_COLUMNS - 1} of them, as many as a sheet has columns")
     states = march.at(t)
@@ -61,7 +62,8 @@ def write_tables(march: March, times: ArrayLike, path: str | Path) -> None:
 def write_contact_table(march: March, impact_time: float, path: str | Path) -> None:
     """Write positions and speeds of every handle at the time of the first contact, s, as the contest's result2.xlsx."""
     destination = check_destination(path, (".xlsx",))
-    states = march.at([impact_time])
+    check_march(march)
+    states = march.at([finite("impact_time", impact_time, -math.inf, math.inf, "s")])
     values = np.column_stack([states.positions[0], states.speeds[0]])
     labels = ("横坐标x (m)", "纵坐标y (m)", "速度 (m/s)")
     _write_sheets(destination, {"Sheet1": (labels, _handle_names(march.dragon.handles), values)})
@@ -69,6 +71,9 @@ def write_contact_table(march: March, impact_time: float, path: str | Path) -> N
 
 def paper_tables(march: March, impact_time: float | None) -> str:
     """Tables 1 to 3 of the paper as text, truncated to three decimals as there; the third one at a first contact, s."""
+    check_march(march)
+    if impact_time is not None:
+        impact_time = finite("impact_time", impact_time, -math.inf, math.inf, "s")
     handles = march.dragon.representatives
     states = march.at(_TABLE_TIMES)
     times = [f"{time:g} s" for time in _TABLE_TIMES]

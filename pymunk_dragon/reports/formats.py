@@ -13,12 +13,13 @@ from typing import Any
 
 import numpy as np
 
+from pymunk_dragon._extras import is_installed
 from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon._language import language, text
 from pymunk_dragon.drawing import Camera, Film, still_png
 from pymunk_dragon.drawing.figures import figure
 from pymunk_dragon.drawing.figures.style import styled
-from pymunk_dragon.errors import MissingExtraError, ParameterError
+from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.reports import document
 from pymunk_dragon.reports._html import asset, data_address, filled
@@ -151,8 +152,13 @@ def _stills(run: Run) -> list[tuple[str, bytes]]:
 
 def _chart(run: Run) -> str | None:
     """Address of the figure of the position errors as SVG; None without matplotlib or without errors."""
+    # Characters of other languages need a font.
+    needed = ["matplotlib"] if language() == "en" else ["matplotlib", "zhplot"]
+    if not all(map(is_installed, needed)):
+        return None
+
     svg = io.BytesIO()
-    with suppress(MissingExtraError, ParameterError), styled():
+    with suppress(ParameterError), styled():
         # Without a date, for the same bytes each time.
         figure("drift", run).savefig(svg, format="svg", metadata={"Date": None})
     return data_address(svg.getvalue(), "image/svg+xml") if svg.tell() else None

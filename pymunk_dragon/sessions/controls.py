@@ -7,10 +7,11 @@ from collections import defaultdict
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import KW_ONLY, dataclass
+from typing import Any
 
 import pymunk
 
-from pymunk_dragon._arguments import finite
+from pymunk_dragon._arguments import finite, flag, function, label
 from pymunk_dragon._extras import library
 from pymunk_dragon.errors import ParameterError
 
@@ -61,9 +62,21 @@ class Slider:
     whole: bool = False
 
     def __post_init__(self) -> None:
+        for name in ("name", "label", "unit"):
+            label(name, getattr(self, name))
+        for name in ("rebuilds", "logarithmic", "whole"):
+            flag(name, getattr(self, name))
+        if self.action is not None:
+            function("action", self.action)
         finite("low", self.low, -math.inf, math.inf, self.unit)
         if not finite("high", self.high, -math.inf, math.inf, self.unit) > self.low:
             raise ParameterError("high", self.high, f"a number above {self.low:g}")
+        if self.logarithmic and self.low <= 0:
+            raise ParameterError("low", self.low, "above 0 on a logarithmic scale")
+        if self.value is not None:
+            value = finite("value", self.value, self.low, self.high, self.unit)
+            if self.whole and not value.is_integer():
+                raise ParameterError("value", self.value, "a whole number")
 
     def checked(self, value: object) -> float:
         """Return the value, if it is in the range, and whole if it has to be."""
@@ -71,6 +84,11 @@ class Slider:
         if self.whole and not number.is_integer():
             raise ParameterError(self.name, value, "a whole number")
         return int(number) if self.whole else number
+
+
+def slider_around(name: str, low: float, high: float, value: float, **options: Any) -> Slider:
+    """Return a slider whose range also has its value, as that of a space may lie anywhere."""
+    return Slider(name, min(low, value), max(high, value), value, **options)
 
 
 @dataclass(frozen=True)
@@ -87,6 +105,10 @@ class Button:
     name: str
     action: _Action
 
+    def __post_init__(self) -> None:
+        label("name", self.name)
+        function("action", self.action)
+
 
 @dataclass(frozen=True)
 class Key(Button):
@@ -102,6 +124,11 @@ class Key(Button):
     """
 
     up: _Action | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.up is not None:
+            function("up", self.up)
 
 
 class PygameEvents:

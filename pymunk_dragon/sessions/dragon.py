@@ -18,7 +18,7 @@ from pymunk_dragon.model.settings import MAX_STRIDE, EngineSettings
 from pymunk_dragon.physics.readings import arbiter_rows, impulse_of, joint_at
 from pymunk_dragon.physics.world import World, top_speed
 from pymunk_dragon.player.data import CURVE_ERROR, curve_points
-from pymunk_dragon.sessions.controls import Slider
+from pymunk_dragon.sessions.controls import Slider, slider_around
 from pymunk_dragon.sessions.scene import Play, Scene
 
 Values = Mapping[str, float]
@@ -68,10 +68,11 @@ class DragonScene(Scene):
         """Return the sliders of a dragon; sizes that differ from bench to bench have none."""
         dragon, values, speed = self.march.dragon, self._given, self.world.top_speed
         engine: dict[str, Any] = {"action": self._apply, "logarithmic": True}
+        longest = 1e3 * MAX_STRIDE / speed
         found = [
-            Slider("step", 0.5, 1e3 * MAX_STRIDE / speed, values["step"], label="Time step", unit="ms", **engine),
-            Slider("iterations", 1, 200, values["iterations"], label="Iterations", whole=True, **engine),
-            Slider("drag", 0.5, 50, values["drag"], label="Ground drag", unit="1/m", **engine),
+            slider_around("step", 0.5, longest, values["step"], label="Time step", unit="ms", **engine),
+            slider_around("iterations", 1, 200, values["iterations"], label="Iterations", whole=True, **engine),
+            slider_around("drag", 0.5, 50, values["drag"], label="Ground drag", unit="1/m", **engine),
             Slider("speed", 0, 2 * speed, values["speed"], label="Speed of the head", unit="m/s", action=self._apply),
         ]
         if pitch := getattr(self.march.curve, "pitch", None):
@@ -79,8 +80,10 @@ class DragonScene(Scene):
             found.append(Slider("pitch", low, high, pitch, label="Pitch", unit="m", rebuilds=True))
         if dragon.alike and isinstance(dragon.width, float):
             high = min(pitch or 0.6, 0.6) * 0.95
-            found.append(Slider("width", 0.05, high, dragon.width, label="Width", unit="m", rebuilds=True))
-            found.append(Slider("benches", 2, _MAX_BENCHES, dragon.benches, label="Benches", whole=True, rebuilds=True))
+            found.append(slider_around("width", 0.05, high, dragon.width, label="Width", unit="m", rebuilds=True))
+            found.append(
+                slider_around("benches", 2, _MAX_BENCHES, dragon.benches, label="Benches", whole=True, rebuilds=True)
+            )
         return found
 
     def _apply(self, *_: object) -> None:

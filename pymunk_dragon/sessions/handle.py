@@ -6,7 +6,7 @@ import sys
 import webbrowser
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import replace
+from dataclasses import fields, replace
 from functools import cache, cached_property
 from html import escape
 from importlib.util import find_spec
@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import pymunk
 
-from pymunk_dragon._arguments import finite
+from pymunk_dragon._arguments import finite, flag, function, instance, instances, label, whole
 from pymunk_dragon._extras import library
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March
@@ -32,6 +32,10 @@ if TYPE_CHECKING:
 # Parts of the script of the page; each uses only those before it.
 _SCRIPTS = ["connection", "model", "force_scale", "shapes", "overlays", "live_paint", "parameters", "live_charts"]
 _SCRIPTS += ["tools", "recorder", "live_show", "live", "live_controls"]
+
+
+# Ports have 16 bits.
+_MAX_PORT = 65_535
 
 
 class Live(AbstractContextManager["Live"]):
@@ -164,18 +168,53 @@ def live(
     ...     print(session.address.partition(":")[0])
     http
     """
-    if isinstance(allow_hosts, str) or not all(isinstance(name, str) for name in (host, *allow_hosts)):
-        raise ParameterError("host, allow_hosts", (host, allow_hosts), "a name, and a sequence of names")
-    length = None if step is None else finite("step", step, 1e-6, MAX_STEP, "s")
-    seen: Any = {"plots": plots or {}, "events": events, "y_down": y_down, "units": units}
-    source = source_of(what, Play(step=length, on_step=on_step, controls=controls, **seen))
+    if not label("host", host).isprintable():
+        raise ParameterError("host", host, "a name or an address")
+    whole("port", port, 0, _MAX_PORT)
+    if isinstance(allow_hosts, str):
+        raise ParameterError("allow_hosts", allow_hosts, "a sequence of names")
+    instances("allow_hosts", allow_hosts, str, "a sequence of names")
+    flag("paused", paused)
+    flag("browser", browser)
+
+    seen: Any = {"plots": {} if plots is None else plots, "events": events, "y_down": y_down, "units": units}
+    play = Play(step=step, on_step=on_step, controls=controls, **seen)
+    _check_play(play)
+    if what is None or isinstance(what, March | str):
+        _check_unchanged(play)
+    source = source_of(what, play)
     return Live(Session(source, running=not paused), browser=browser, host=host, port=port, allow_hosts=allow_hosts)
+
+
+def _check_play(play: Play) -> None:
+    """Check how a space is to be played."""
+    if play.step is not None:
+        finite("step", play.step, 1e-6, MAX_STEP, "s")
+    if play.on_step is not None:
+        function("on_step", play.on_step)
+    instances("controls", play.controls, Slider | Button | PygameEvents, "a sequence of Slider, Button, Key and others")
+    for title, plot in instance("plots", play.plots, Mapping, "a mapping of titles to functions").items():
+        label("title of a plot", title)
+        function(f"plots[{title!r}]", plot)
+    if play.events is not None:
+        instance("events", play.events, list, "a list, to which texts are appended")
+        instances("events", play.events, str, "a list of texts")
+    flag("y_down", play.y_down)
+    label("units", play.units)
+
+
+def _check_unchanged(play: Play) -> None:
+    """Refuse what a march and a ready scene choose themselves."""
+    for each in fields(Play):
+        value, default = getattr(play, each.name), getattr(Play(), each.name)
+        if value != default and value != []:  # The controls may be an empty list, too.
+            raise ParameterError(each.name, value, "left out for a march and for a ready scene")
 
 
 def source_of(what: object, play: Play) -> Ready:
     """Return how the scene of a march, a space, a function or a name is made."""
     if what is None or isinstance(what, str):
-        return ready(what or "dragon")
+        return ready("dragon" if what is None else what)
     if isinstance(what, March):
         return dragon(what)
     if isinstance(what, pymunk.Space):

@@ -69,7 +69,6 @@ def planned(plan: Mapping[str, Any]) -> Ready:
 
 def program(build: Callable[..., pymunk.Space], play: Play) -> Ready:
     """Return the scene of a function that builds a space; sliders with the names of its arguments have their values."""
-    _check(play)
     arguments = signature(build).parameters
     play = replace(play, controls=[_at_start(each, arguments) for each in play.controls])
     own = {each.name: each for each in play.controls if isinstance(each, Slider)}
@@ -89,17 +88,6 @@ def program(build: Callable[..., pymunk.Space], play: Play) -> Ready:
         return scene
 
     return Ready(name="space", title="A space", text="Pull a body, cut a joint.", build=make)
-
-
-def _check(play: Play) -> None:
-    """Raise a ParameterError if what the user gave cannot be called, or take texts."""
-    if play.on_step is not None and not callable(play.on_step):
-        raise ParameterError("on_step", play.on_step, "a function of the space and the time")
-    plots: Any = play.plots
-    if not (isinstance(plots, Mapping) and all(map(callable, plots.values()))):
-        raise ParameterError("plots", play.plots, "functions of the space by the titles of their charts")
-    if not (play.events is None or isinstance(play.events, list)):
-        raise ParameterError("events", play.events, "a list to which texts are appended")
 
 
 def _at_start(control: Any, arguments: Mapping[str, Parameter]) -> Any:

@@ -17,7 +17,7 @@ from pymunk_dragon.drawing.debug_draw import DrawRecorder, area
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.physics.readings import QUANTITIES, Readings, Touches, body_at, energies, grip, joint_at, units
 from pymunk_dragon.physics.steps import next_length
-from pymunk_dragon.sessions.controls import Button, Key, PygameEvents, Slider
+from pymunk_dragon.sessions.controls import Button, Key, PygameEvents, Slider, slider_around
 
 # Largest acceleration by a hand, in m/s^2, as in Box2D's testbed; in scenes larger than this size, more.
 _HAND_ACCELERATION, _HAND_SIZE = 1000.0, 10.0
@@ -113,8 +113,8 @@ class Scene:
         ms, space, g = 1e3 * self.step_length, self.space, self.space.gravity.length
         known = [
             Slider("step", ms / 10, 10 * ms, ms, label="Time step", unit="ms", logarithmic=True),
-            Slider("iterations", 1, 200, space.iterations, label="Iterations", logarithmic=True, whole=True),
-            Slider("damping", 0, 1, space.damping, label="Velocity kept in 1 s"),
+            slider_around("iterations", 1, 200, space.iterations, label="Iterations", logarithmic=True, whole=True),
+            slider_around("damping", 0, 1, space.damping, label="Velocity kept in 1 s"),
             Slider("gravity", 0, 3 * g or 1.0, g, label="Gravity", unit=f"{self.play.units}/s²"),
         ]
         # A program that makes the steps itself chooses their length.

@@ -9,6 +9,7 @@ from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from pymunk_dragon._arguments import instance
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.model._display import Printed, width
 from pymunk_dragon.model.dragon import Dragon
@@ -23,6 +24,11 @@ Progress = Callable[[float, float], None]
 _DRAGON = ("benches", "head_spacing", "body_spacing", "overhang", "width")
 # Columns of the labels of a text.
 _LABEL = 11
+
+
+def checked_dragon(dragon: Dragon | None) -> Dragon:
+    """`dragon`, or the contest's."""
+    return Dragon() if dragon is None else instance("dragon", dragon, Dragon, "a Dragon")
 
 
 def labelled(label: str, lines: str) -> list[str]:
@@ -98,6 +104,7 @@ class Study:
 
     def answer(self, values: Mapping[str, Any], progress: Progress = silent) -> Any:
         """Run with `values` of its `parameters` by name; a wrong name or value is a `ParameterError`."""
+        instance("values", values, Mapping, "a mapping of names and values")
         for name, value in values.items():
             if name not in self.parameters:
                 raise ParameterError(name, value, f"left out: {self.name} takes " + ", ".join(self.parameters))

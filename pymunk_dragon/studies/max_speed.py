@@ -27,7 +27,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pymunk_dragon._arguments import Array, as_vectors, finite
+from pymunk_dragon._arguments import Array, as_vectors, finite, function
 from pymunk_dragon._language import text
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model import chain
@@ -35,7 +35,7 @@ from pymunk_dragon.model.curves import Composite, UTurn
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.speed import MAX_SPEED, MIN_SPEED
-from pymunk_dragon.studies._study import Progress, Result, labelled, silent
+from pymunk_dragon.studies._study import Progress, Result, checked_dragon, labelled, silent
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -176,7 +176,8 @@ def max_speed(
     >>> print(f"{found.speed:.6f} m/s, handle {found.handle}")
     1.246266 m/s, handle 3
     """
-    dragon = dragon or Dragon()
+    dragon = checked_dragon(dragon)
+    function("progress", progress)
     limit = finite("limit", limit, MIN_SPEED, MAX_SPEED, "m/s")
     if not dragon.alike:
         raise ParameterError("dragon", dragon, "one whose benches but the head are alike")

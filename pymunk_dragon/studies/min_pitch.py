@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pymunk_dragon._arguments import as_vectors, finite, positive
+from pymunk_dragon._arguments import as_vectors, finite, function, positive
 from pymunk_dragon._language import text
 from pymunk_dragon.collision import Separation, first_contact, separation
 from pymunk_dragon.errors import DragonError, ParameterError
@@ -23,7 +23,8 @@ from pymunk_dragon.model.curves import Spiral
 from pymunk_dragon.model.curves.spiral import MAX_PITCH
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
-from pymunk_dragon.studies._study import Progress, Result, labelled, silent
+from pymunk_dragon.model.speed import MAX_SPEED, MIN_SPEED
+from pymunk_dragon.studies._study import Progress, Result, checked_dragon, labelled, silent
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -187,8 +188,10 @@ def min_pitch(
     limit:     benches 0 and 19 touch at t = 216.3382 s at (-0.3465, 4.8415) m
     ...
     """
-    dragon = dragon or Dragon()
+    dragon = checked_dragon(dragon)
+    function("progress", progress)
     turns = positive("turns", turns, _MAX_TURNS, "")
+    speed = finite("speed", speed, MIN_SPEED, MAX_SPEED, "m/s")
     # Inside the longest spacing a handle may have no position, and beyond the largest start there is no spiral.
     radius = finite("radius", radius, float(dragon.spacings.max()), min(_MAX_RADIUS, MAX_PITCH * turns), "m")
     # Turns are not closer than the width, and the start is not inside the circle.

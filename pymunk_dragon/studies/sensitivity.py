@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from pymunk_dragon._arguments import function
 from pymunk_dragon._language import text
 from pymunk_dragon.collision import FirstContact, first_contact
 from pymunk_dragon.errors import ParameterError
@@ -19,7 +20,7 @@ from pymunk_dragon.model._display import table
 from pymunk_dragon.model.curves import Spiral
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
-from pymunk_dragon.studies._study import Progress, Result, silent
+from pymunk_dragon.studies._study import Progress, Result, checked_dragon, silent
 from pymunk_dragon.studies.min_pitch import RADIUS, MinPitch, min_pitch
 
 # Sizes of the benches by which both answers are differentiated.
@@ -94,7 +95,8 @@ def sensitivity(
     >>> round(found.times["width"] / 1e3, 4)  # s for each mm
     -0.032
     """
-    dragon = dragon or Dragon()
+    dragon = checked_dragon(dragon)
+    function("progress", progress)
 
     def answers(name: str, change: float) -> tuple[FirstContact, MinPitch]:
         """Both answers with a size of all benches that have it changed, m."""

@@ -27,7 +27,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from pymunk_dragon._arguments import Array, Complex
+from pymunk_dragon._arguments import Array, Complex, flag, function
 from pymunk_dragon._extras import library
 from pymunk_dragon._language import text
 from pymunk_dragon.collision import FirstContact, first_contact
@@ -36,7 +36,7 @@ from pymunk_dragon.model import chain
 from pymunk_dragon.model.curves import Arc, Composite, UTurn
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
-from pymunk_dragon.studies._study import Progress, Result, labelled, silent
+from pymunk_dragon.studies._study import Progress, Result, checked_dragon, labelled, silent
 from pymunk_dragon.studies.max_speed import certified_ratio
 
 if TYPE_CHECKING:
@@ -234,8 +234,9 @@ def u_turn(
     >>> print(f"{found.turn.length:.6f} m")
     13.621245 m
     """
-    dragon = dragon or Dragon()
-    if search:
+    dragon = checked_dragon(dragon)
+    function("progress", progress)
+    if flag("search", search):
         library("scipy.optimize")
     turn = UTurn(pitch=pitch, radius=radius, ratio=ratio)
     try:

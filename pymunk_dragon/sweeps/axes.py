@@ -21,8 +21,8 @@ Axes = Mapping[str, tuple[float, ...]]
 
 def axes_of(given: Mapping[str, Sequence[float]] | None, parameters: Sequence[str]) -> Axes:
     """The axes of a sweep: parameters and their values."""
-    if not given or not isinstance(given, Mapping):
-        raise ParameterError("axis", given or None, "a parameter and its values, or several of them")
+    if not isinstance(given, Mapping) or not given:
+        raise ParameterError("axis", given, "a parameter and its values, or several of them")
     return {word("axis", name, parameters): _axis(name, values) for name, values in given.items()}
 
 
@@ -41,7 +41,7 @@ def _axis(name: str, values: Sequence[float]) -> tuple[float, ...]:
 
 def given_values(scenario: Scenario | March | Mapping[str, Any] | None, axes: Axes) -> dict[str, Any]:
     """Values of parameters of a scenario in any form."""
-    known = Scenario.of(scenario) if isinstance(scenario, March) else scenario or {}
+    known = Scenario.of(scenario) if isinstance(scenario, March) else {} if scenario is None else scenario
     values = known.values() if isinstance(known, Scenario) else Scenario.flat(known)
     if "start_s" in axes:
         values.pop("turns", None)

@@ -21,7 +21,7 @@ from time import perf_counter
 from typing import Any
 from zlib import crc32
 
-from pymunk_dragon._arguments import whole
+from pymunk_dragon._arguments import flag, function, instances, label, whole
 from pymunk_dragon._extras import library
 from pymunk_dragon._signals import ENDING, signals_held
 from pymunk_dragon.errors import DragonError, ParameterError
@@ -95,13 +95,16 @@ def sweep(
     0.4,14.323208054...,0,15,contact,
     """
     begin = perf_counter()
+    function("progress", progress)
+    flag("resume", resume)
+    paths = (out,) if isinstance(out, str | Path) else instances("out", out, str | Path, "a path, or several")
     chosen = quantity_of(quantity)
     points = axes_of(axes, chosen.parameters)
     given = given_values(scenario, points)
     base = base_values(chosen, given, points)
-    if resume and not out:
+    if resume and not paths:
         raise ParameterError("resume", resume, "absent without a file to write")
-    files = [check_format(path, points) for path in ([out] if isinstance(out, str | Path) else out)]
+    files = [check_format(path, points) for path in paths]
     pool = _pool(executor, scheduler, workers)
     with Partial(files, _description(chosen, points, base), points, resume=resume) as partial:
         with pool as started:
@@ -155,6 +158,7 @@ def _pool(executor: Executor | None, scheduler: str | None, workers: int | None)
     if not isinstance(executor, Executor | None):
         raise ParameterError("executor", executor, "a concurrent.futures.Executor")
     if scheduler is not None:
+        label("scheduler", scheduler)
         return _cluster(library("distributed"), scheduler)
     return nullcontext(executor) if executor else _Processes(count)
 

@@ -1,7 +1,7 @@
 """No command line and no file makes the program fail in a way that it should not.
 
-`make fuzz CASES=5000` runs that many cases of each kind, different ones each time; the suite runs a few, always the
-same.
+`make fuzz CASES=5000` runs that many cases of each kind, different ones each time, and lists the kinds with their
+numbers of cases and findings; the suite runs a few, always the same.
 """
 
 import io
@@ -10,7 +10,8 @@ import os
 import re
 import signal
 import warnings
-from contextlib import chdir, redirect_stderr, redirect_stdout
+from collections import Counter
+from contextlib import chdir, contextmanager, redirect_stderr, redirect_stdout
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -24,6 +25,8 @@ from pymunk_dragon import Arc, Composite, Dragon, Line, March, Run, simulate
 from pymunk_dragon.cli import status
 from pymunk_dragon.drawing.figures import FIGURES
 
+# Number of cases that were run of each kind.
+counted = Counter()
 CASES = int(os.environ.get("FUZZ_CASES", "0"))
 # s of processor time, after which a case is ended.
 MAX_SECONDS = 60.0
@@ -265,6 +268,20 @@ def check(arguments, files):
     assert not touched, "files were changed or left behind"
 
 
+@contextmanager
+def listed(kind):
+    """Print the numbers of cases and of findings of a kind at the end."""
+    findings = 0
+    try:
+        yield
+    except BaseException as error:
+        # Several ones that differ come as a group.
+        findings = len(getattr(error, "exceptions", [error]))
+        raise
+    finally:
+        print(f"\n{kind}: {counted[kind]} cases, {findings} findings")
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_no_case_fails_in_a_way_that_it_should_not(kind):
     @hypothesis.settings(
@@ -276,6 +293,8 @@ def test_no_case_fails_in_a_way_that_it_should_not(kind):
     )
     @hypothesis.given(KINDS[kind])
     def run(case):
+        counted[kind] += 1
         check(*case)
 
-    run()
+    with listed(kind):
+        run()

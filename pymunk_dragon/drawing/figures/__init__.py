@@ -28,7 +28,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from PIL import Image
 
-from pymunk_dragon._arguments import word
+from pymunk_dragon._arguments import instance, word
 from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon.drawing import STILL_ENDINGS, render
 from pymunk_dragon.drawing.figures.charts import FIGURES, Kind
@@ -145,9 +145,8 @@ def _subject(kind: Kind, source: Run | March | None) -> Subject:
             return Subject(source.march, run=source)
         start, until = source.times[[0, -1]].tolist()
         return Subject(source.march, start, until, run=source)
-    march = source or March(Dragon(benches=kind.benches))
-    if not isinstance(march, March):
-        raise ParameterError("source", source, "a run or a march")
+    march = March(Dragon(benches=kind.benches)) if source is None else source
+    instance("source", march, March, "a run or a march")
     if not np.isfinite(march.end):
         raise ParameterError("march", "one on a curve without end", "a run, which defines the time interval")
     return Subject(march)

@@ -70,6 +70,9 @@ _RC_PARAMS: dict[str, Any] = {
 def styled() -> Iterator[None]:
     """Context with the fonts and colours of all figures; restores matplotlib's settings at its end."""
     matplotlib = library("matplotlib")
+    # The parts in C that every figure needs.
+    library("matplotlib.figure")
+    library("matplotlib.backends.backend_agg")
     # The font of the language, or of the films; matplotlib's default font provides missing glyphs such as µ.
     family = {"font.family": [_register_font(language()), "DejaVu Sans"]}
     with matplotlib.rc_context():

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-from pymunk_dragon._arguments import finite
+from pymunk_dragon._arguments import finite, function, instance
 from pymunk_dragon._files import check_destination, passed_on, written_in_place
 from pymunk_dragon.drawing.film.formats import WRITERS, Frames, written_size
 from pymunk_dragon.drawing.film.layout import Canvas
@@ -76,7 +76,9 @@ def render(
     >>> timing.size  # with the title above and the legend below
     (320, 381)
     """
-    film = replace(film or Film(), **parameters)
+    film = replace(_checked(film), **parameters)
+    if progress is not None:
+        function("progress", progress)
     sources = checked_sources(source)
     destination = check_destination(path, (*FILM_ENDINGS, *STILL_ENDINGS))
     ending = destination.suffix.lower()
@@ -116,7 +118,12 @@ def still_png(source: Source | Sequence[Source], time: float, film: Film | None 
     """
     sources = checked_sources(source)
     finite("time", time, *shared_window(sources), "s")
-    return _png(next(Canvas(sources, np.array([time], dtype=float), film or Film()).frames()))
+    return _png(next(Canvas(sources, np.array([time], dtype=float), _checked(film)).frames()))
+
+
+def _checked(film: Film | None) -> Film:
+    """Return the film, or one with the default parameters."""
+    return Film() if film is None else instance("film", film, Film, "a Film")
 
 
 def _png(picture: Image.Image) -> bytes:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from pymunk_dragon._arguments import finite, positive, whole, word
+from pymunk_dragon._arguments import finite, flag, instance, instances, label, positive, whole, word
 from pymunk_dragon.drawing.camera import Camera
 from pymunk_dragon.drawing.film.timing import ADVANCE, Timing, slowed
 from pymunk_dragon.drawing.marks import OVERLAYS
@@ -97,13 +97,18 @@ class Film:
         for length in self.shape:
             whole("size", length, *_SIZES)
         finite("hold", self.hold, 0.0, _MAX_HOLD, "s")
-        for name, kind in (("camera", Camera), ("show", tuple), ("headings", tuple)):
-            if not isinstance(getattr(self, name), kind):
-                raise ParameterError(name, getattr(self, name), f"a {kind.__name__}")
-        for overlay in self.show:
+        for name in ("start", "until"):
+            if getattr(self, name) is not None:
+                finite(name, getattr(self, name), -math.inf, math.inf, "s")
+        instance("camera", self.camera, Camera, "a Camera")
+        flag("legend", self.legend)
+        for overlay in instance("show", self.show, tuple, "a tuple of overlays"):
             word("show", overlay, OVERLAYS)
+        instance("headings", self.headings, tuple, "a tuple of texts")
+        label("title", self.title)
+        label("caption", self.caption)
         for name, text in self.texts(self.headings):
-            if not (isinstance(text, str) and len(text) <= _MAX_TEXT):
+            if len(text) > _MAX_TEXT:
                 raise ParameterError(name, text, f"a text of at most {_MAX_TEXT} characters")
 
     @property
@@ -111,8 +116,9 @@ class Film:
         """Width and height, pixels."""
         return self.size if isinstance(self.size, tuple) else (self.size, self.size)
 
-    def texts(self, headings: Sequence[Any]) -> list[tuple[str, Any]]:
+    def texts(self, headings: Sequence[str]) -> list[tuple[str, str]]:
         """Return the names and values of title, caption and headings."""
+        headings = instances("headings", headings, str, "texts")
         return [("title", self.title), ("caption", self.caption), *(("headings", each) for each in headings)]
 
     def timing(self, sources: Sequence[Source]) -> Timing:
@@ -131,7 +137,7 @@ class Film:
 
     def window(self, sources: Sequence[Source]) -> tuple[float, float]:
         """Return the first and last time that the film may show, s; errors as in `timing`."""
-        begin, end = shared_window(sources)
+        begin, end = shared_window(checked_sources(sources))
         # Without a run, nothing says where a film ends.
         start, until = (0.0, None) if begin == -_MAX_TIME else (begin, end)
         start = finite("start", start if self.start is None else self.start, begin, end, "s")

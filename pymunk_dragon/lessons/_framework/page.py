@@ -7,6 +7,7 @@ from io import BytesIO
 from pathlib import Path
 from typing import Any
 
+from pymunk_dragon._arguments import function, instances, word
 from pymunk_dragon._extras import library
 from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon._language import LANGUAGES, in_language, text
@@ -61,6 +62,9 @@ def write_lessons(
     >>> from pymunk_dragon.lessons import LESSONS, write_lessons
     >>> write_lessons([LESSONS["spiral"]], "lessons.html", language="zh")
     """
+    lessons = instances("lessons", lessons, Lesson, "a sequence of lessons")
+    word("language", language, LANGUAGES)
+    function("progress", progress)
     destination = check_destination(path, endings(lessons))
     ending = destination.suffix.lower()
     if ending == PROGRAM:

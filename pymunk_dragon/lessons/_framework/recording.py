@@ -12,7 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pymunk_dragon._extras import FEATURES
+from pymunk_dragon._arguments import instance
+from pymunk_dragon._extras import FEATURES, is_installed
 from pymunk_dragon._files import temporary_folder
 from pymunk_dragon._signals import signals_held
 from pymunk_dragon.errors import DragonError, MissingExtraError, OutputError, ParameterError
@@ -50,7 +51,7 @@ def run(lesson: Lesson, folder: Path) -> Iterator[str]:
         finally:
             process.kill()
     if process.returncode:
-        if (missing := MISSING.search(errors)) and missing[1] in FEATURES:
+        if (missing := MISSING.search(errors)) and missing[1] in FEATURES and not is_installed(missing[1]):
             raise MissingExtraError("a lesson", "demos")
         if unwritten := re.search(r"OSError: \[Errno \d+\] (.+)", errors):
             raise OutputError("the picture of the lesson", unwritten[1])
@@ -81,6 +82,7 @@ def record(lesson: Lesson) -> Recording:
     >>> record(LESSONS["spiral"]).printed.splitlines()[0]
     't =   0 s  r = 8.800 m  walking 1.000 m/s  turning 0.114 rad/s, a round in 55.3 s'
     """
+    instance("lesson", lesson, Lesson, "a Lesson")
     with temporary_folder() as folder:
         printed = "".join(run(lesson, folder))
         file = picture(lesson, folder)
@@ -89,6 +91,7 @@ def record(lesson: Lesson) -> Recording:
 
 def make_folder(path: str | Path) -> Path:
     """The folder `path`, made if it does not exist; a ParameterError if it cannot be made or written."""
+    instance("save", path, str | Path, "a path")
     try:
         Path(path).mkdir(parents=True, exist_ok=True)
         tempfile.TemporaryFile(dir=path).close()

@@ -6,11 +6,12 @@ import os
 import sys
 import tempfile
 import textwrap
-from importlib.util import find_spec
 from itertools import pairwise
 from pathlib import Path
 
-from pymunk_dragon._language import in_language, text
+from pymunk_dragon._arguments import instance, word
+from pymunk_dragon._extras import is_installed
+from pymunk_dragon._language import LANGUAGES, in_language, text
 from pymunk_dragon.errors import MissingExtraError
 from pymunk_dragon.lessons._framework.lesson import Lesson, blocks, lessons
 from pymunk_dragon.lessons._framework.markup import plain
@@ -49,7 +50,9 @@ def play(lesson: Lesson, save: str | Path | None = None, *, language: str = "en"
     >>> Path("pictures/spiral.png").exists()
     True
     """
-    if "matplotlib" in lesson.source and find_spec("matplotlib") is None:
+    instance("lesson", lesson, Lesson, "a Lesson")
+    word("language", language, LANGUAGES)
+    if "matplotlib" in lesson.source and not is_installed("matplotlib"):
         raise MissingExtraError("a lesson", "demos")
     folder = Path(tempfile.mkdtemp(prefix="pymunk-dragon-")) if save is None else make_folder(save)
     said = lesson.sections(language)

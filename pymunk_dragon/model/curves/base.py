@@ -10,14 +10,18 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pymunk_dragon._arguments import Array, Complex, as_complex, numbers, word
+from pymunk_dragon._arguments import Array, Complex, as_complex, finite, fitting, numbers, within, word
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model import chain
 
 # m from the origin. At this distance a double still resolves 0.02 nm.
 FARTHEST = 1e5
+# m along a curve without end: at this coordinate a double resolves 0.1 m.
+_FARTHEST_S = 1e15
 # Levels of curves inside curves. A level takes up to 4 of Python's 1000 nested calls in an evaluation.
 _MAX_DEPTH = 32
+# m: from a micrometre to ten times the farthest point.
+_SPACINGS = 1e-6, 10 * FARTHEST
 # Sine of half the angle of an arc that is as long as its chord.
 _LEAST_SINE = 1e-9
 # So close to the estimate of a foot, the path differs from its tangent by a few 1e-11 of the radius of curvature.
@@ -126,7 +130,8 @@ class Curve(ABC):
         >>> Line(stop=(30, 40)).chain([10.0], [3.0, 2.0]).round(9).tolist()
         [[10.0, 7.0, 5.0]]
         """
-        return chain.chains(self, numbers("s", s).ravel(), numbers("spacings", spacings).ravel()).handles_s
+        lengths = within("spacings", numbers("spacings", spacings).ravel(), *_SPACINGS, "m")
+        return chain.chains(self, numbers("s", s).ravel(), lengths).handles_s
 
     def foot(self, points: ArrayLike, near: ArrayLike) -> tuple[Array, Array, Array]:
         """Feet of the perpendiculars from `points` (..., 2), m, to the path nearest to the coordinates `near` (...), m.
@@ -141,14 +146,17 @@ class Curve(ABC):
         >>> s.tolist(), feet.tolist()
         ([4.0], [[4.0, 0.0]])
         """
-        xy = numbers("points", points, 2)
-        s = np.clip(numbers("near", near), self.begin_s, self.end_s)
-        for _ in range(_FOOT_PASSES):
-            feet, tangents = self.frame(s)
-            step = np.clip(s + np.sum((xy - feet) * tangents, axis=-1), self.begin_s, self.end_s) - s
-            s = s + step
-            if np.all(np.abs(step) <= _NEAR_FOOT):
-                break
+        xy, s = numbers("points", points, 2), numbers("near", near)
+        fitting("points and near", xy.shape[:-1], s.shape)
+        s = np.clip(s, self.begin_s, self.end_s)
+        # Points far from the path have no foot, but numbers without a meaning.
+        with np.errstate(all="ignore"):
+            for _ in range(_FOOT_PASSES):
+                feet, tangents = self.frame(s)
+                step = np.clip(s + np.sum((xy - feet) * tangents, axis=-1), self.begin_s, self.end_s) - s
+                s = s + step
+                if np.all(np.abs(step) <= _NEAR_FOOT):
+                    break
         return s, feet + step[..., None] * tangents, tangents
 
     def at_turn(self, turns: float) -> float:
@@ -157,6 +165,7 @@ class Curve(ABC):
 
     def turns(self, s: float) -> float | None:
         """Number of turns from the centre at the coordinate `s` m; None on a curve whose turns are not counted."""
+        finite("s", s, -np.inf, np.inf, "m")
         return None
 
     def to_dict(self) -> dict[str, Any]:
@@ -185,7 +194,8 @@ class Curve(ABC):
 
     def _inside(self, s: Array) -> Array:
         """Coordinates, with nan for those off the curve."""
-        return np.where((s >= self.begin_s) & (s <= self.end_s), s, np.nan)
+        begin, end = max(self.begin_s, -_FARTHEST_S), min(self.end_s, _FARTHEST_S)
+        return np.where((s >= begin) & (s <= end), s, np.nan)
 
     def _parameter(self, s: Array) -> Array:
         """The parameter (...) in which chains are computed, growing in the direction of travel; nan off the curve."""
@@ -238,8 +248,9 @@ class PackageCurve(Curve):
     def max_curvature(self, s: ArrayLike, other: ArrayLike) -> Array:
         """Upper bound (...) on the absolute curvature between two coordinates, 1/m."""
         one, two = numbers("s", s), numbers("other", other)
-        lower = np.maximum(np.minimum(one, two), self.begin_s)
-        upper = np.minimum(np.maximum(one, two), self.end_s)
+        fitting("s and other", one.shape, two.shape)
+        lower = np.maximum(np.minimum(one, two), max(self.begin_s, -_FARTHEST_S))
+        upper = np.minimum(np.maximum(one, two), min(self.end_s, _FARTHEST_S))
         on = lower <= upper
         return np.where(on, self._max_curvature(np.where(on, lower, np.nan), upper), 0.0)
 
@@ -256,6 +267,14 @@ class PackageCurve(Curve):
 
     @abstractmethod
     def _max_curvature(self, lower: Array, upper: Array) -> Array: ...
+
+
+def within_reach(name: str, s: Array) -> Array:
+    """`s`, if no number in it is finite and larger than those at which curves have points."""
+    far = s[np.isfinite(s) & (np.abs(s) > _FARTHEST_S)]
+    if far.size:
+        raise ParameterError(name, far[0].item(), f"at most {_FARTHEST_S:g} m")
+    return s
 
 
 def required_curve(name: str, value: object) -> None:

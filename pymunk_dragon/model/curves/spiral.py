@@ -8,9 +8,9 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pymunk_dragon._arguments import Array, Complex, as_complex, as_vectors, finite, numbers, positive
+from pymunk_dragon._arguments import Array, Complex, as_complex, as_vectors, finite, fitting, numbers, positive
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.model.curves.base import PackageCurve
+from pymunk_dragon.model.curves.base import PackageCurve, within_reach
 
 # m. No bench fits into a narrower turn, and no dance floor has a wider one.
 _MIN_PITCH, MAX_PITCH = 0.001, 1000.0
@@ -87,7 +87,7 @@ class Spiral(PackageCurve, kind="spiral"):
 
     def angle(self, s: ArrayLike) -> Array:
         """Polar angle theta in rad, counted from the centre along the winding (eq. 6); nan beyond the centre."""
-        length = np.atleast_1d(self._sign * numbers("s", s))
+        length = np.atleast_1d(self._sign * within_reach("s", numbers("s", s)))
         # Twice the arc length over k: theta sqrt(theta^2 + 1) + arcsinh theta (eq. 3-5).
         target = np.maximum(length, 0.0) * (2 / self.k)
         # The asymptotic form theta^2 = target - log(4 theta^2) / 2 - 1 / 2 - ..., or the tangent at the centre.
@@ -122,10 +122,18 @@ class Spiral(PackageCurve, kind="spiral"):
 
         Guides call this at every substep, and most of its time is NumPy's for each call: so there are few, in place.
         """
-        z = _turned(as_complex(numbers("points", points, 2)), -self.rotation)
+        xy, s = numbers("points", points, 2), numbers("near", near)
+        fitting("points and near", xy.shape[:-1], s.shape)
+        # Points far from the path have no foot, but numbers without a meaning.
+        with np.errstate(all="ignore"):
+            return self._foot(xy, s)
+
+    def _foot(self, xy: Array, s: Array) -> tuple[Array, Array, Array]:
+        """What `foot` returns, for points (..., 2) and coordinates (...)."""
+        z = _turned(as_complex(xy), -self.rotation)
         theta = np.arctan2(z.imag, z.real)
         # The angle at `near` to a few hundredths, except on the innermost turn: enough to identify the turn.
-        turns = np.sqrt(2 / self.k * np.abs(numbers("near", near)))
+        turns = np.sqrt(2 / self.k * np.abs(s))
         turns -= theta
         turns *= 1 / _TURN
         theta = theta + _TURN * np.rint(turns)
