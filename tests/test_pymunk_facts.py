@@ -229,6 +229,31 @@ def test_impulse_is_zero_in_begin_and_separate_and_in_pre_solve_that_of_the_step
     assert found["separate"] == [0]
 
 
+def test_impulse_of_a_pair_that_touches_again_at_once_counts_the_earlier_one_too():
+    space, body = pymunk.Space(), pymunk.Body(1, 1)
+    space.collision_slop = 0
+    space.add(body, pymunk.Circle(body, 1), pymunk.Segment(space.static_body, (-9, -1), (9, -1), 0))
+    found = []
+    space.on_collision(post_solve=lambda arbiter, space, data: found.append(arbiter.total_impulse.length))
+    gained = []
+    for velocity in (-1, 5, 0, -10):
+        body.velocity = 0, velocity
+        space.step(STEP)
+        gained.append(body.velocity.y - velocity)
+    assert (gained[0], gained[3]) == pytest.approx((1, 10), abs=0.1)
+    assert found[-1] == pytest.approx(gained[0] + gained[3])
+
+
+def test_step_of_0_s_does_nothing():
+    space, body, _ = pair()
+    found = phases_of(space)
+    body.velocity = 1, 0
+    steps(space, 1)
+    before, called = body.position, found[:]
+    space.step(0)
+    assert (body.position, found, space.current_time_step) == (before, called, STEP)
+
+
 def test_contact_point_set_raises_in_separate_and_the_error_is_only_printed(printed):
     space, _, other = pair()
     after = []
@@ -414,6 +439,29 @@ def test_impulses_of_springs_have_a_sign_and_those_of_other_joints_none():
     assert found[0][1] * found[1][1] < 0
     # N m: an impulse of torque.
     assert [found[0][2], found[1][2]] == pytest.approx([1, 1])
+
+
+def test_velocity_is_that_of_the_centre_of_gravity_and_position_is_not():
+    space, body = pymunk.Space(), pymunk.Body(2, 5)
+    body.center_of_gravity = 1, 0
+    body.position = 0, 0
+    body.angular_velocity = 1
+    space.add(body)
+    centre = body.local_to_world(body.center_of_gravity)
+    steps(space, 50)
+    assert body.velocity == (0, 0)
+    assert body.local_to_world(body.center_of_gravity).get_distance(centre) < 1e-12
+    assert body.position.get_distance((0, 0)) > 0.4
+
+
+def test_body_whose_centre_of_gravity_is_set_after_its_position_jumps_in_the_next_step():
+    space, body = pymunk.Space(), pymunk.Body(2, 5)
+    body.position = 3, 0
+    body.center_of_gravity = 1, 0
+    space.add(body)
+    assert body.position == (3, 0)
+    steps(space, 1)
+    assert body.position == (2, 0)
 
 
 def test_kinetic_energy_lacks_the_half():
