@@ -108,13 +108,14 @@ def _at_start(control: Any, arguments: Mapping[str, Parameter]) -> Any:
     return replace(control, value=value, whole=whole)
 
 
-def add(build: Any, *, name: str, title: str, lesson: str | None = None, plan: Any = None, **play: Any) -> None:
-    """Add a scene: a function of values, or a program to `play`; its docstring is the text."""
+def add(build: Any, *, name: str, title: str, lesson: str | None = None, plan: Any = None, **play: Any) -> Any:
+    """Add a scene and return `build`: a function of values, or a program to `play`; its docstring is the text."""
     make = program(build, Play(**play)).build if play else build
     SCENES[name] = Ready(name=name, title=title, text=build.__doc__, lesson=lesson, build=make, plan=plan)
+    return build
 
 
-def _scene(name: str, title: str, lesson: str | None = None, **play: Any) -> Callable[[Any], None]:
+def _scene(name: str, title: str, lesson: str | None = None, **play: Any) -> Callable[[Any], Any]:
     """Return a decorator that adds a scene, whose name stands in recordings."""
     return partial(add, name=name, title=title, lesson=lesson, plan={"scene": name}, **play)
 
