@@ -33,7 +33,7 @@ _NAMES = {
 }
 _MODULES = {name: module for module, names in _NAMES.items() for name in names.split()}
 
-# Classes whose results notebooks show as a picture, and their modules.
+# Classes that notebooks show as pictures, and their modules.
 _SHOWN = {"March": "pymunk_dragon.model.march", "Run": "pymunk_dragon.model.run"}
 
 

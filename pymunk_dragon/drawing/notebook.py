@@ -1,4 +1,4 @@
-"""The picture with which a notebook shows a march or a run; `pymunk_dragon` registers it with IPython."""
+"""The picture of a march or run in a notebook; `pymunk_dragon` registers it with IPython."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What player and live page share: the document around their own parts, Chinese texts, and colours."""
+"""What player and live page share: the document around their own parts, texts and colours."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def catalogue(*packages: str) -> dict[str, str]:
 
 
 def colour_variables() -> str:
-    """Style with the colours of all pages, and those of pictures as `--canvas-...`, light and dark."""
+    """Style with the colours of all pages; those of pictures are `--canvas-...`, light and dark."""
     colours = ""
     dark = asdict(DARK)
     for name, light in asdict(COLOURS).items():
