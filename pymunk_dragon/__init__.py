@@ -4,8 +4,9 @@
 
 from __future__ import annotations
 
+import sys
 from importlib import import_module
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 __version__ = "0.1.0"
 
@@ -31,6 +32,31 @@ _NAMES = {
     "sweeps": "Sweep sweep",
 }
 _MODULES = {name: module for module, names in _NAMES.items() for name in names.split()}
+
+# Classes that notebooks show as pictures, and their modules.
+_SHOWN = {"March": "pymunk_dragon.model.march", "Run": "pymunk_dragon.model.run"}
+
+
+def _picture(source: Any) -> bytes:
+    """Picture of a march or run, with which the drawing is loaded."""
+    from pymunk_dragon.drawing.notebook import picture
+
+    return picture(source)
+
+
+def _register_pictures() -> None:
+    """Register the pictures with IPython if this is one of its shells or notebooks."""
+    python = sys.modules.get("IPython")
+    shell = python and python.get_ipython()
+    if shell is None:
+        return
+
+    formatter = shell.display_formatter.formatters["image/png"]
+    for name, module in _SHOWN.items():
+        formatter.for_type_by_name(module, name, _picture)
+
+
+_register_pictures()
 
 if TYPE_CHECKING:
     from pymunk_dragon.collision import *

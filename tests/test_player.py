@@ -10,19 +10,23 @@ from importlib import import_module
 from io import BytesIO
 from unittest.mock import Mock
 
+import nbclient
 import numpy as np
 import pytest
 from bs4 import BeautifulSoup
-from conftest import assert_says, examples, refusal
+from conftest import LIMIT, assert_says, examples, refusal
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from marches import ARM, TRACTOR, U_TURN
+from nbformat.v4 import new_code_cell, new_notebook
 from PIL import Image
 from shapely import LineString, points
 
 from pymunk_dragon import Contact, Dragon, March, Run, first_contact, player_page, write_player
 from pymunk_dragon._language import in_language
+from pymunk_dragon.drawing.figures import figure
+from pymunk_dragon.drawing.notebook import picture
 from pymunk_dragon.drawing.palette import Palette
 from pymunk_dragon.model.contact import ContactEvent, ContactLog
 from pymunk_dragon.player.data import _contact_windows, _exact_offsets, _handle_vectors, curve_points, pack
@@ -242,7 +246,7 @@ def test_offsets_of_the_exact_model_come_back_within_half_a_micrometre(small_run
     assert page.payload["exact"] is None
 
 
-# What a notebook shows of a run, a march and a figure
+# What a notebook shows of a run, a march, a figure and a first contact
 
 
 def opened(png):
@@ -254,17 +258,33 @@ def has(picture, part):
 
 
 def test_run_is_a_picture_of_its_end(run):
-    assert not has(opened(run._repr_png_()), "contact")
+    assert not has(opened(picture(run)), "contact")
     contact = Contact(time=10.0, raw_time=10.0, benches=(0, 8), point=(1.0, 2.0), normal=(0.0, 1.0), depth=0.0)
-    assert has(opened(replace(run, first_contact=contact, outcome="contact")._repr_png_()), "contact")
+    assert has(opened(picture(replace(run, first_contact=contact, outcome="contact"))), "contact")
 
 
-def test_march_is_a_picture_of_its_start_and_has_a_figure(run):
-    assert all(has(opened(SMALL._repr_png_()), part) for part in ("head", "body", "tail"))
-    for shown in (SMALL, run):
-        picture = opened(shown.plot()._repr_png_())
-        assert picture.width == 800
-        assert has(picture, "background")
+def test_march_is_a_picture_of_its_start():
+    assert all(has(opened(picture(SMALL)), part) for part in ("head", "body", "tail"))
+
+
+@pytest.mark.thorough
+def test_notebook_that_imports_march_alone_shows_marches_and_runs_as_pictures():
+    cells = ["from pymunk_dragon import March\nMarch()"]
+    cells += ["from pymunk_dragon import Run\nRun.exact(March(), [0.0, 60.0])"]
+    notebook = new_notebook(cells=[new_code_cell(cell) for cell in cells])
+    limits = dict.fromkeys(("timeout", "startup_timeout", "iopub_timeout"), LIMIT)
+    nbclient.NotebookClient(notebook, **limits).execute()
+
+    for cell, shown in zip(notebook.cells, (March(), Run.exact(March(), [0.0, 60.0])), strict=True):
+        [output] = cell.outputs
+        assert b64decode(output.data["image/png"]) == picture(shown)
+
+
+def test_figures_of_marches_and_runs_are_pictures(run):
+    for source in (SMALL, run):
+        shown = opened(figure("trajectories", source)._repr_png_())
+        assert shown.width == 800
+        assert has(shown, "background")
 
 
 def test_first_contact_is_its_text():

@@ -9,9 +9,10 @@ from browser import TEXTS, english_words, framed, needs_browser, opened, wait_un
 from marches import TRACTOR
 from shapely import Polygon
 
-from pymunk_dragon import Dragon, March, Run, write_player
+from pymunk_dragon import Dragon, March, Run, player_page, write_player
+from pymunk_dragon.drawing.palette import COLOURS
 from pymunk_dragon.model.dragon import bench_poses
-from pymunk_dragon.player.page import COLOURS, DARK, player_page
+from pymunk_dragon.web.page import DARK
 
 pytestmark = [pytest.mark.thorough, needs_browser]
 

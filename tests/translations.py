@@ -63,7 +63,7 @@ def blocks(element: Tag) -> Iterator[str]:
 
 def html_texts(page: str) -> set[str]:
     """Texts of the elements and attributes of a page; those with a {{placeholder}} are filled in elsewhere."""
-    parts = {path.stem: path.read_text() for path in (PACKAGE / "web").glob("*.html")}
+    parts = {path.stem: path.read_text() for path in (PACKAGE / "web/assets").glob("*.html")}
     whole = re.sub(r"\{\{(\w+)\}\}", lambda found: parts.get(found[1], found[0]), page)
     soup = BeautifulSoup(whole[whole.index("<body") :], "html.parser")
     found = {str(each[name]) for name in ("aria-label", "title") for each in soup.find_all(attrs={name: True})}

@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
 from pymunk_dragon._language import text
-from pymunk_dragon.model._display import Printed
+from pymunk_dragon.model._display import TextResult
 from pymunk_dragon.model.contact import Contact, contact_text
 
 __all__ = ["FirstContact", "NearMiss"]
@@ -49,7 +49,7 @@ class NearMiss:
 
 
 @dataclass(frozen=True, kw_only=True)
-class FirstContact(Printed):
+class FirstContact(TextResult):
     """Result of a search for the first contact of benches that are not neighbours.
 
     Attributes

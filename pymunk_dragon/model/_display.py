@@ -1,4 +1,4 @@
-"""How results are shown: tables of text, and pictures in notebooks."""
+"""How results are shown as text: in tables, and in notebooks."""
 
 from __future__ import annotations
 
@@ -6,30 +6,11 @@ import re
 import unicodedata
 from collections.abc import Iterable, Sequence
 from html import escape
-from importlib import import_module
 from typing import Any
 
-# Pixels: the side of a picture, shown at half of it on screens with two pixels to the point.
-_SIZE = 640
 
-
-class Displayed:
-    """Base class of runs and marches, which notebooks show as a picture."""
-
-    # Packages are imported by their names, because they are above the classes of what they show.
-
-    def plot(self) -> Any:
-        """Paths of seven handles as a matplotlib figure, which notebooks display."""
-        return import_module("pymunk_dragon.drawing.figures").figure("trajectories", self)
-
-    def _repr_png_(self: Any) -> Any:
-        """A run as it ended, or a march as it begins."""
-        drawing, times = import_module("pymunk_dragon.drawing"), getattr(self, "times", (0.0,))
-        return drawing.still_png(self, float(times[-1]), drawing.Film(size=_SIZE))
-
-
-class Printed:
-    """Base class of results that are represented by their text."""
+class TextResult:
+    """Base class of results that notebooks show as the text that `str` returns."""
 
     def _repr_html_(self) -> str:
         return f"<pre>{escape(str(self), quote=False)}</pre>"

@@ -24,7 +24,7 @@ from pymunk_dragon._arguments import (
 )
 from pymunk_dragon._language import text
 from pymunk_dragon.errors import ParameterError, UnreachableError
-from pymunk_dragon.model._display import Displayed, table
+from pymunk_dragon.model._display import table
 from pymunk_dragon.model.chain import ChainMotion
 from pymunk_dragon.model.continuation import Continuation
 from pymunk_dragon.model.curves import Curve, Reversed, Spiral
@@ -116,7 +116,7 @@ class States(ArrayRecord):
 
 
 @dataclass(frozen=True)
-class March(Displayed):
+class March:
     """Motion of a dragon along a curve at a given speed; by default the march of the paper.
 
     Parameters

@@ -32,7 +32,6 @@ from pymunk_dragon._arguments import (
 from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon._language import text
 from pymunk_dragon.errors import DragonError, FileFormatError, ParameterError
-from pymunk_dragon.model._display import Displayed
 from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog, contact_text, read_contact
 from pymunk_dragon.model.dragon import Dragon, pose_step
 from pymunk_dragon.model.march import March, check_march
@@ -62,7 +61,7 @@ _MAX_UNPACKED, _MAX_RATIO = 512_000_000, 10
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
-class Run(ArrayRecord, Displayed):
+class Run(ArrayRecord):
     """A dragon's run over F frames of N benches.
 
     Two runs are equal if everything but the seconds that playing took is equal, to the last bit.

@@ -2,41 +2,23 @@
 
 from __future__ import annotations
 
-import tomllib
-from dataclasses import asdict
 from html import escape
 from itertools import chain
 from pathlib import Path
 
 from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon._language import in_language, language
-from pymunk_dragon.drawing.palette import COLOURS, Palette
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.player.data import player_data
-from pymunk_dragon.reports._html import asset, embedded_json, policy, substituted
 from pymunk_dragon.reports.document import headline, provenance, subtitle
 from pymunk_dragon.reports.summary import Summary, summarize
+from pymunk_dragon.web.html import asset, embedded_json
+from pymunk_dragon.web.page import catalogue, document
 
 PLAYER_ENDINGS = (".html",)
-# Scripts that player and live page share, and those of the player; each uses only those before it.
-_SHARED = ("common", "texts", "geometry", "pane", "view", "format", "marks", "paint", "pointer", "stage")
+# The player's own scripts; each uses only those before it.
 _SCRIPTS = ("decode", "motion", "exact", "picture", "timeline", "link", "player", "controls", "main")
-# What `<svg>` in the pages' HTML stands for: an icon of a control, which has a name.
-_ICON = '<svg viewBox="0 0 20 20" aria-hidden="true">'
-# Counterparts of the films' colours on a dark ground: bright benches with dark outlines have the same contrast there.
-DARK = Palette(
-    background="#171b22",
-    curve="#4b5361",
-    head="#f5b02e",
-    body="#7ea9cf",
-    tail="#3dbfae",
-    contact="#ff6b7d",
-    ink="#0e1217",
-    motion="#a6e69a",
-    force="#e3d0ff",
-    grid="#cfd6e2",
-)
 
 
 def write_player(run: Run, path: str | Path, *, title: str | None = None) -> None:
@@ -114,29 +96,6 @@ def player_page(run: Run, *, title: str | None = None) -> str:
         **packed,
     )
     return page
-
-
-def document(body: str, style: str, script: str, connections: str = "", **values: str) -> tuple[str, str]:
-    """HTML of a page with the parts that player and live page share, and its content security policy."""
-    html = {name: asset("pymunk_dragon", f"web/{name}.html") for name in ("head", "tail", "zoom", "help_tools", "help")}
-    style = colour_variables() + asset("pymunk_dragon", "web/page.css") + style
-    script = "".join(asset("pymunk_dragon", f"web/{name}.js") for name in _SHARED) + script
-    rules, page = policy(style, script) + connections, html.pop("head") + body + html.pop("tail")
-    page, html["zoom"] = (each.replace("<svg>", _ICON) for each in (page, html["zoom"]))
-    return substituted(page, policy=escape(rules), style=style, script=script, **html, **values), rules
-
-
-def catalogue(*packages: str) -> dict[str, str]:
-    """Chinese texts of these packages' pages, by the English text."""
-    tables = [tomllib.loads(asset(package, "zh.toml"))["texts"] for package in packages]
-    return dict(chain.from_iterable(table.items() for table in tables))
-
-
-def colour_variables() -> str:
-    """Style that defines the colours of all pages, and those of pictures as `--canvas-...`, light and dark."""
-    both = zip(asdict(COLOURS).items(), asdict(DARK).values(), strict=True)
-    colours = "".join(f" --canvas-{name}: light-dark({light}, {dark});" for (name, light), dark in both)
-    return asset("pymunk_dragon", "web/colours.css") + f":root {{{colours} }}\n"
 
 
 def _texts_of(summary: Summary, code: str) -> list[str]:

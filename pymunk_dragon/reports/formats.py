@@ -22,8 +22,8 @@ from pymunk_dragon.drawing.figures.style import styled
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.reports import document
-from pymunk_dragon.reports._html import asset, data_address, filled
 from pymunk_dragon.reports.summary import Summary, summarize
+from pymunk_dragon.web.html import asset, data_address, filled
 
 # Characters with a meaning in Markdown, embedded HTML or GitHub's dialect.
 _MARKUP = re.compile(r"[\\`*_{}\[\]<>|&~$#@!]")
@@ -96,7 +96,7 @@ def _html(summary: Summary) -> str:
     """Report as one HTML document without network access or scripts; all values are escaped."""
     pictures = [(caption, data_address(png, "image/png")) for caption, png in _stills(summary.run)]
     shown = {"document": document, "summary": summary, "pictures": pictures, "chart": _chart(summary.run)}
-    shown["colours"] = asset("pymunk_dragon", "web/colours.css")
+    shown["colours"] = asset("pymunk_dragon.web", "assets/colours.css")
     return filled(__package__, "report.html.j2", language=language(), text=text, **shown)
 
 

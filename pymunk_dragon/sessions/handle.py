@@ -18,13 +18,13 @@ from pymunk_dragon._arguments import finite, flag, function, instance, instances
 from pymunk_dragon._extras import library
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March
-from pymunk_dragon.player.page import catalogue, document
-from pymunk_dragon.reports._html import asset, embedded_json
 from pymunk_dragon.sessions.controls import Button, Key, PygameEvents, Slider
 from pymunk_dragon.sessions.ready import Ready, dragon, program, ready
 from pymunk_dragon.sessions.restore import FirstState
 from pymunk_dragon.sessions.scene import Play
 from pymunk_dragon.sessions.session import MAX_STEP, Session
+from pymunk_dragon.web.html import asset, embedded_json
+from pymunk_dragon.web.page import catalogue, document
 
 if TYPE_CHECKING:
     from pymunk_dragon.sessions.server import Server

@@ -12,12 +12,12 @@ import numpy as np
 import pymunk
 
 from pymunk_dragon._arguments import Array, finite, number, positive, whole, word
-from pymunk_dragon.drawing.canvas import in_binary, packed
 from pymunk_dragon.drawing.debug_draw import DrawRecorder, area
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.physics.readings import QUANTITIES, Readings, Touches, body_at, energies, grip, joint_at, units
 from pymunk_dragon.physics.steps import next_length
 from pymunk_dragon.sessions.controls import Button, Key, PygameEvents, Slider, slider_around
+from pymunk_dragon.web.frames import in_binary, packed
 
 # Largest acceleration by a hand, in m/s^2, as in Box2D's testbed; in scenes larger than this size, more.
 _HAND_ACCELERATION, _HAND_SIZE = 1000.0, 10.0

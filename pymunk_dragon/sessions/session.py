@@ -18,7 +18,6 @@ import pymunk
 
 from pymunk_dragon._arguments import MAX_COORDINATE, finite, whole, word
 from pymunk_dragon._files import read_text
-from pymunk_dragon.drawing.canvas import without_nan
 from pymunk_dragon.errors import DragonError, FileFormatError, ParameterError
 from pymunk_dragon.physics.callbacks import callbacks_raise
 from pymunk_dragon.sessions.dragon import DragonScene
@@ -26,6 +25,7 @@ from pymunk_dragon.sessions.holds import Holds
 from pymunk_dragon.sessions.ready import SCENES, Ready, planned, ready
 from pymunk_dragon.sessions.restore import callbacks, discard
 from pymunk_dragon.sessions.scene import Scene
+from pymunk_dragon.web.frames import without_nan
 
 # What was done to a scene since it was built, as it is written as JSON: `inputs` with the number of steps before each.
 Log = dict[str, Any]

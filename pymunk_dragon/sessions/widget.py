@@ -14,9 +14,9 @@ from traitlets import Unicode
 
 from pymunk_dragon._language import language
 from pymunk_dragon.drawing.debug_draw import still
-from pymunk_dragon.reports._html import asset, data_address
 from pymunk_dragon.sessions.handle import live_page
 from pymunk_dragon.sessions.session import Session
+from pymunk_dragon.web.html import asset, data_address
 
 # Frames on the way to the page, at most; the page acknowledges every third one.
 MOST_FRAMES = 6

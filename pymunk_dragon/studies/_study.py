@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from pymunk_dragon._arguments import instance
 from pymunk_dragon.errors import DragonError, ParameterError
-from pymunk_dragon.model._display import Printed, width
+from pymunk_dragon.model._display import TextResult, width
 from pymunk_dragon.model.dragon import Dragon
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def silent(done: float, total: float) -> None:
     """Report nothing."""
 
 
-class Result(Printed, ABC):
+class Result(TextResult, ABC):
     """Base class of the studies' results: ``str`` is the text that the program prints, which notebooks show too."""
 
     @abstractmethod

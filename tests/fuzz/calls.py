@@ -230,7 +230,6 @@ CALLS = {
     "Run.poses_at": (RUN.poses_at, {"times": TIMES}),
     "Run.pose_velocities_at": (RUN.pose_velocities_at, {"times": TIMES}),
     "Run.to_dict": (RUN.to_dict, {}),
-    "Displayed.plot": (RUN.plot, {}),
     # Contacts.
     "Grid": (Grid, {"cell": FLOAT, "origin": ((0.0, 0.0), "array")}),
     "Grid.of": (Grid.of, {"march": ONE_MARCH}),

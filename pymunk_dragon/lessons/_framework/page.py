@@ -15,14 +15,14 @@ from pymunk_dragon.lessons._framework.lesson import Lesson, blocks
 from pymunk_dragon.lessons._framework.markup import html
 from pymunk_dragon.lessons._framework.notebook import make_notebook
 from pymunk_dragon.lessons._framework.recording import Recording, record
-from pymunk_dragon.player.page import colour_variables
-from pymunk_dragon.reports._html import asset, data_address, filled, policy
+from pymunk_dragon.web.html import asset, data_address, filled, policy
+from pymunk_dragon.web.page import colour_variables
 
 PAGE, NOTEBOOK, PROGRAM = ".html", ".ipynb", ".py"
 ASSETS = "lessons/_framework/assets"
 MEDIA_TYPES = {".gif": "image/gif", ".png": "image/png", ".py": "text/x-python", ".ipynb": "application/x-ipynb+json"}
 # Scripts of the page, between the last two of which the stages of the lessons stand; and its styles.
-SCRIPTS = [f"web/{name}.js" for name in ("common", "geometry", "pane")]
+SCRIPTS = [f"web/assets/{name}.js" for name in ("common", "geometry", "pane")]
 SCRIPTS += [f"{ASSETS}/{name}.js" for name in ("chain", "lab", "lessons")]
 STYLES = (f"{ASSETS}/lessons.css", f"{ASSETS}/lab.css")
 
