@@ -27,7 +27,7 @@ from pymunk_dragon import (
 )
 from pymunk_dragon.errors import DragonError, UnreachableError
 from pymunk_dragon.physics import Rails
-from pymunk_dragon.physics.callbacks import Recorder
+from pymunk_dragon.physics.contacts import Recorder
 
 # s: when benches 0 and 8 of the exact march first touch (test_first_contact.py).
 TRUE_TIME = 412.473838

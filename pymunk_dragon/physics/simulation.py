@@ -17,8 +17,9 @@ from pymunk_dragon.model.dragon import pose_step
 from pymunk_dragon.model.march import March, checked_times
 from pymunk_dragon.model.run import Outcome, Run, position_errors
 from pymunk_dragon.model.settings import EngineSettings, engine_provenance
-from pymunk_dragon.physics.callbacks import Motion, Recorder
+from pymunk_dragon.physics.contacts import Recorder
 from pymunk_dragon.physics.guides import GUIDES, PathGuide
+from pymunk_dragon.physics.substep import Motion
 from pymunk_dragon.physics.world import World
 
 # Metres that the head travels between recorded frames; between them poses are interpolated to a micrometre.

@@ -19,7 +19,7 @@ from pymunk_dragon.model.march import March, States, check_march
 from pymunk_dragon.model.settings import EngineSettings
 from pymunk_dragon.physics.guides import GUIDES, PathGuide
 from pymunk_dragon.physics.readings import JointForces
-from pymunk_dragon.physics.steps import next_length
+from pymunk_dragon.physics.substep import next_length
 from pymunk_dragon.physics.warm_start import set_impulses
 
 # kg per square metre: planks of pine, 4 cm thick. It is the same for all benches, so it only scales impulses.

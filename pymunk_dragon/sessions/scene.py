@@ -16,7 +16,7 @@ from pymunk_dragon.drawing.canvas import in_binary, packed
 from pymunk_dragon.drawing.debug_draw import DrawRecorder, area
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.physics.readings import QUANTITIES, Readings, Touches, body_at, energies, grip, joint_at, units
-from pymunk_dragon.physics.steps import next_length
+from pymunk_dragon.physics.substep import next_length
 from pymunk_dragon.sessions.controls import Button, Key, PygameEvents, Slider, slider_around
 
 # Largest acceleration by a hand, in m/s^2, as in Box2D's testbed; in scenes larger than this size, more.

@@ -1,4 +1,4 @@
-"""Contacts as Pymunk reports them: a log of all collision callbacks, and the time within a substep of the first one."""
+"""Contacts as Pymunk reports them: a log of all collision callbacks, whose exceptions are raised after the step."""
 
 from __future__ import annotations
 
@@ -9,23 +9,21 @@ from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from time import perf_counter
-from typing import Any, NamedTuple, get_args
+from typing import Any, get_args
 
 import pymunk
 
-from pymunk_dragon._arguments import Array
-from pymunk_dragon.collision.sat import Separation, separation
+from pymunk_dragon.collision.sat import separation
 from pymunk_dragon.model.contact import Contact, ContactEvent, Phase
-from pymunk_dragon.model.dragon import Dragon, outlines
 from pymunk_dragon.physics.readings import impulse_of
 from pymunk_dragon.physics.world import World
 
 _Vector = tuple[float, float]
 
-# Halvings of a substep: a hundredth of a second becomes 1e-11 s, far below what the engine's poses are worth.
-_BISECTIONS = 30
-# Exceptions in callbacks of the present thread, while they are collected; and the hook that was there before.
-_CAUGHT, _BEFORE = threading.local(), [sys.__unraisablehook__]
+# Exceptions in callbacks of the present thread, while they are collected.
+_CAUGHT = threading.local()
+# The hook that was there before.
+_BEFORE = [sys.__unraisablehook__]
 
 
 @contextmanager
@@ -144,47 +142,6 @@ class Recorder:
         """Impulse on the second bench of a pair in this substep, N s."""
         on_first = impulse_of(arbiter, self._earlier.get(benches, pymunk.Vec2d.zero()), 1.0)
         return _signed(on_first, not swapped)
-
-
-class Motion(NamedTuple):
-    """Poses of benches within a substep, with even acceleration: before + share * first + share**2 * second."""
-
-    before: Array
-    first: Array
-    second: Array
-
-    def poses(self, share: float) -> Array:
-        """Poses (N, 3) after a `share` of the substep, m, m, rad."""
-        return self.before + share * (self.first + share * self.second)
-
-    def rates(self, share: float) -> Array:
-        """Their rates of change by the share."""
-        return self.first + 2 * share * self.second
-
-    def refined(self, dragon: Dragon, contact: Contact, begin: float) -> Contact:
-        """A contact that began in a substep which begins at `begin` s, at the time when the benches began to touch.
-
-        That is the start of the substep if they touched there already, and its end if they touch there by rounding.
-        """
-        pair = list(contact.benches)
-        sizes = dragon.lengths[pair], dragon.widths[pair]
-
-        def separated(share: float) -> Separation:
-            return separation(*outlines(self.poses(share)[pair], *sizes))
-
-        apart, touching, found = 0.0, 1.0, separated(1.0)
-        if (at_begin := separated(0.0)).distance <= 0:
-            touching, found = 0.0, at_begin
-        elif found.distance > 0:
-            return contact
-        for _ in range(_BISECTIONS):
-            middle = (apart + touching) / 2
-            if (halfway := separated(middle)).distance <= 0:
-                touching, found = middle, halfway
-            else:
-                apart = middle
-        (x, y), (u, v) = found.point.tolist(), found.normal.tolist()
-        return replace(contact, time=begin + touching * (contact.raw_time - begin), point=(x, y), normal=(u, v))
 
 
 def _manifold(contact: pymunk.ContactPointSet, swapped: bool) -> tuple[tuple[_Vector, ...], _Vector, float]:
