@@ -19,7 +19,7 @@ from hypothesis import strategies as st
 from pymunk_dragon import Contact, ContactEvent, ContactLog, Dragon, EngineSettings, March, Run, Spiral
 from pymunk_dragon.errors import DragonError, FileFormatError
 from pymunk_dragon.model.contact import ContactWindow
-from pymunk_dragon.model.settings import versions
+from pymunk_dragon.model.run import versions
 
 MARCH = March(Dragon(benches=4, width=0.29), Spiral(pitch=0.6), turns=9.5, speed=1.25)
 TOUCH = {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
+from dataclasses import asdict
 from time import perf_counter
 from typing import Any
 
@@ -15,8 +16,8 @@ from pymunk_dragon.errors import DragonError, UnreachableError
 from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog
 from pymunk_dragon.model.dragon import pose_step
 from pymunk_dragon.model.march import March, checked_times
-from pymunk_dragon.model.run import Outcome, Run, position_errors
-from pymunk_dragon.model.settings import EngineSettings, engine_provenance
+from pymunk_dragon.model.run import Outcome, Run, position_errors, versions
+from pymunk_dragon.model.settings import EngineSettings
 from pymunk_dragon.physics.contacts import Recorder
 from pymunk_dragon.physics.guides import GUIDES, PathGuide
 from pymunk_dragon.physics.substep import Motion
@@ -105,9 +106,7 @@ def simulate(
         events=ContactLog(tuple(loop.recorder.events)),
         first_contact=loop.first_contact,
         outcome=loop.outcome,
-        provenance=engine_provenance(
-            world.settings, guide=_guide_name(world.guide), start=start, until=until, substeps=loop.substeps
-        ),
+        provenance=_provenance(world, until, loop.substeps),
         wall_seconds=loop.wall_seconds,
         step_seconds=loop.step_seconds,
     )
@@ -216,6 +215,22 @@ def _exact_head(world: World, total: int) -> Iterator[None]:
             yield
         if len(states.times) < len(times):
             return
+
+
+def _provenance(world: World, until: float, substeps: int) -> dict[str, Any]:
+    """The `provenance` of a run of a world to at most `until`, s."""
+    values = {
+        "player": "pymunk",
+        "guide": _guide_name(world.guide),
+        "contacts": world.settings.contacts,
+        "start": world.start,
+        "until": until,
+    }
+    for name, value in asdict(world.settings).items():
+        # Other settings only where they are not their defaults.
+        if value != getattr(EngineSettings, name):
+            values[name] = value
+    return values | {"substeps": substeps, "versions": versions()}
 
 
 def _guide_name(guide: PathGuide) -> str:
