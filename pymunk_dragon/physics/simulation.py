@@ -19,7 +19,7 @@ from pymunk_dragon.model.march import March, checked_times
 from pymunk_dragon.model.run import Outcome, Run, position_errors, versions
 from pymunk_dragon.model.settings import EngineSettings
 from pymunk_dragon.physics.contacts import Recorder
-from pymunk_dragon.physics.guides import GUIDES, PathGuide
+from pymunk_dragon.physics.guide import GUIDES, PathGuide
 from pymunk_dragon.physics.substep import Motion
 from pymunk_dragon.physics.world import World
 
@@ -226,6 +226,8 @@ def _provenance(world: World, until: float, substeps: int) -> dict[str, Any]:
         "start": world.start,
         "until": until,
     }
+    if world.guide.free_from is not None:
+        values["free_from"] = world.guide.free_from
     for name, value in asdict(world.settings).items():
         # Other settings only where they are not their defaults.
         if value != getattr(EngineSettings, name):

@@ -1,87 +1,19 @@
-"""Guides: path constraints for the benches (dancers on rails), or none."""
+"""The guide "rails": dancers keep every hole on the path."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pymunk
 
 from pymunk_dragon._arguments import Array, Complex, as_vectors
 from pymunk_dragon.model.march import States
-
-if TYPE_CHECKING:
-    from pymunk_dragon.physics.world import World
+from pymunk_dragon.physics.guide import GuidedWorld, PathGuide
 
 # m, from a hole to the point that its rail is pinned to. Any length does; one metre needs no scaling of the normal.
 _PIN_LENGTH = 1.0
-
-
-class PathGuide:
-    """Base class of guides, and the guide "none": without joints and forces.
-
-    A guide constrains the benches to the path by joints, by forces, or by both. A subclass overrides what it needs; an
-    instance of it is given to `simulate(guide=...)`. `GUIDES` holds those that have a name.
-
-    Attributes
-    ----------
-    anchors : sequence of pymunk.Body
-        Kinematic bodies at the other ends of the guide's joints; the world moves them, and keeps them in a space of
-        their own, which is never stepped.
-    balances_drag : bool
-        Whether the guide's forces balance the ground drag, so that the head has to pull itself only.
-
-    Examples
-    --------
-    Springs of 2 kN/m that pull the centre of each bench to a circle of 5 m radius about the origin; without them the
-    chain is pulled straight:
-
-    >>> import numpy as np
-    >>> from pymunk_dragon import Arc, Dragon, March, simulate
-    >>> class Springs(PathGuide):
-    ...     def update(self, poses, hinge_velocity, anchors, forces):
-    ...         distance = np.hypot(poses[:, 0], poses[:, 1])
-    ...         forces[:, :2] = 2000 * (5 / distance - 1)[:, None] * poses[:, :2]
-    >>> march = March(Dragon(benches=8), Arc(centre=(0, 0), radius=5, begin_angle=0, sweep=6))
-    >>> [round(simulate(march, guide=guide, until=10).max_drift, 1) for guide in (Springs(), "none")]
-    [0.1, 6.4]
-    """
-
-    anchors: Sequence[pymunk.Body] = ()
-    balances_drag = False
-
-    def attach(self, world: World) -> None:
-        """Prepare for a run; called once, before everything else.
-
-        The `march`, `masses` and `moments` of `world` stay; `substep` and `drag_rate` may change from step to step.
-        """
-
-    def joints(self, bench: int, body: pymunk.Body) -> Sequence[pymunk.Constraint]:
-        """Joints between the body of `bench`, from 1 on, and the anchors; none by default.
-
-        The world raises their `error_bias` to the power of the head's top speed, as that of its own joints.
-        """
-        return ()
-
-    def relocate(self, states: States) -> None:
-        """Take the exact `states` (one time) from which the run begins, or goes on; called after `attach`."""
-
-    def update(self, poses: Array, hinge_velocity: Array, anchors: Array, forces: Array) -> None:
-        """Write the anchors' positions and the forces for the next step; called before each.
-
-        Parameters
-        ----------
-        poses : ndarray, shape (N, 3)
-            Poses of the benches at which the joints are solved in this step: m, m, rad.
-        hinge_velocity : ndarray, shape (2,)
-            Velocity of the head's rear hole, m/s.
-        anchors : ndarray, shape (A, 2)
-            Output: positions of the anchors, m.
-        forces : ndarray, shape (N, 3)
-            Output: forces in N and torques in N m on the benches.
-        """
 
 
 class Rails(PathGuide):
@@ -96,9 +28,11 @@ class Rails(PathGuide):
 
     balances_drag = True
 
-    def attach(self, world: World) -> None:
+    def attach(self, world: GuidedWorld) -> None:
         """Create the anchors."""
-        self._world, self._curve, spacings = world, world.march.curve, world.march.dragon.spacings[1:]
+        self._world = world
+        self._curve = world.march.curve
+        spacings = world.march.dragon.spacings[1:]
         self.anchors = [pymunk.Body(body_type=pymunk.Body.KINEMATIC) for _ in spacings]
         self._inertia = np.array([world.masses[1:], world.moments[1:]])
         self._over_spacings = 1 / spacings
@@ -152,10 +86,6 @@ class Rails(PathGuide):
         self._rear_speeds = np.multiply.accumulate(front.real / rear.real)
         front[1:] *= self._rear_speeds[:-1]
         return np.array([front.real, (front.imag - self._rear_speeds * rear.imag) * self._over_spacings])
-
-
-# Guides that have a name, as in `simulate(guide=...)`.
-GUIDES: dict[str, type[PathGuide]] = {"rails": Rails, "none": PathGuide}
 
 
 def _complex(vectors: Array) -> Complex:
