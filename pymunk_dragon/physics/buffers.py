@@ -1,4 +1,4 @@
-"""Poses, velocities and forces of all bodies at once, as arrays that `pymunk.batch` reads and writes."""
+"""Poses, velocities and forces of all bodies as arrays that `pymunk.batch` reads and writes."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ from pymunk.batch import BodyFields
 
 from pymunk_dragon._arguments import Array
 
-# Fields of all bodies that are read after a step or written before it; combined here, as that takes microseconds.
+# Fields of all bodies that are read after a step or written before it; combined here, as that takes
+# microseconds.
 _POSES = BodyFields.POSITION | BodyFields.ANGLE
 _VELOCITIES = BodyFields.VELOCITY | BodyFields.ANGULAR_VELOCITY
 _POSES_AND_FORCES = _POSES | BodyFields.FORCE | BodyFields.TORQUE
@@ -49,10 +50,12 @@ class Buffers:
         anchors: Sequence[pymunk.Body],
     ) -> None:
         self._space = space
-        # A step takes time for every body of its space, and anchors need no steps: theirs is never stepped.
+        # A step takes time for every body of its space, and anchors need no steps: theirs is never
+        # stepped.
         self._anchor_space = pymunk.Space()
         self._anchor_space.add(*anchors)
-        # Pymunk adds its static body when it is first used, as for an obstacle; a row is written for each body.
+        # Pymunk adds its static body when it is first used, as for an obstacle; a row is written
+        # for each body.
         moved = list(dict.fromkeys([*bodies, control, space.static_body]))
         _check_order(space, moved)
         _check_order(self._anchor_space, anchors)
@@ -78,7 +81,7 @@ class Buffers:
         return self._read(_VELOCITIES)
 
     def _read(self, fields: BodyFields) -> Array:
-        """Three fields of the benches. NumPy is slow on parts of rows, so more of them are read separately."""
+        """Three fields of the benches; more are read separately, as NumPy is slow on parts of rows."""
         self._inbox.clear()
         batch.get_space_bodies(self._space, fields, self._inbox)
         values = np.frombuffer(self._inbox.float_buf(), count=3 * self._benches)

@@ -1,4 +1,4 @@
-"""Contacts as Pymunk reports them: a log of all collision callbacks, whose exceptions are raised after the step."""
+"""Contacts as Pymunk reports them: a log of all collision callbacks, and what these raise."""
 
 from __future__ import annotations
 
@@ -57,16 +57,17 @@ class Recorder:
 
     Where contacts are only reported, the engine does not act on them, and `post_solve` never comes.
 
-    Pymunk 7.3.1 reports some rectangles in line as touching, metres deep or without a normal, although they are apart.
-    So a contact is checked where it begins and where it is deeper than the narrowest bench. It is neither logged nor
-    acted on while the benches are apart.
+    Pymunk 7.3.1 reports some rectangles in line as touching, metres deep or without a normal,
+    although they are apart. So a contact is checked where it begins and where it is deeper than the
+    narrowest bench. It is neither logged nor acted on while the benches are apart.
     """
 
     def __init__(self, world: World, on_event: Callable[[ContactEvent], None] | None = None) -> None:
         self.events: list[ContactEvent] = []
         # Contacts that began in the last step, as at its end.
         self.begun: list[Contact] = []
-        # Whether a step is being made: a signal's handler must not run then, because it could raise an exception in C.
+        # Whether a step is being made: a signal's handler must not run then, because it could raise
+        # an exception in C.
         self.in_engine = False
         self._world, self._on_event, self._time = world, on_event, world.start
         self._benches: dict[pymunk.Shape, tuple[int, pymunk.Body]] = {
@@ -155,7 +156,8 @@ def _manifold(contact: pymunk.ContactPointSet, swapped: bool) -> tuple[tuple[_Ve
 def _apart(shapes: Iterable[pymunk.Shape]) -> bool:
     """Whether two rectangles of a space are apart."""
     first, second = (
-        # Pymunk types the body as optional, and corners as those of a polygon, which all shapes here are.
+        # Pymunk types the body as optional, and corners as those of a polygon, which all shapes
+        # here are.
         [shape.body.local_to_world(corner) for corner in shape.get_vertices()]  # type: ignore[union-attr]  # See above.
         for shape in shapes
     )

@@ -20,8 +20,9 @@ _RETURN_SPEED = 4.0
 _RETURN_RATE = 20.0
 # Widths of a bench: the position error at which it is back.
 _RETURNED = 0.1
-# Largest force of the guide on a bench once dancers have let go, over the ground drag on it at the head's top speed,
-# and largest torque over that of this force at 1 m. A bench that is off its path would get forces without limit.
+# Largest force of the guide on a bench once dancers have let go, over the ground drag on it at the
+# head's top speed, and largest torque over that of this force at 1 m. A bench that is off its path
+# would get forces without limit.
 _MAX_GUIDE_FORCE = 20.0
 
 
@@ -71,7 +72,7 @@ class Dancers:
 
     @property
     def free_from(self) -> int | None:
-        """First bench that nothing holds on the path, as nothing holds those behind it; None if all are held."""
+        """First of the benches that nothing holds on the path; None if all are held."""
         firsts = [each for each in (self._released, self._guide.free_from) if each is not None]
         return min(firsts, default=None)
 
@@ -96,14 +97,15 @@ class Dancers:
     def release(self, bench: int, drag: float) -> None:
         """Let go of `bench` and of all behind it; `drag` is the ground drag per metre marched."""
         self._stop_carrying()
-        # Removed and added again, joints would be solved in another order, which converges more slowly.
+        # Removed and added again, joints would be solved in another order, which converges more
+        # slowly.
         for joint in chain.from_iterable(self.joints[bench - 1 :]):
             joint.max_force = 0.0
         self._released = bench if self._released is None else min(bench, self._released)
         self._stop_pushing(self._released, drag)
 
     def cut(self, joint: int, drag: float) -> None:
-        """Cut the joint between the benches `joint` and `joint` + 1; dancers behind it no longer walk."""
+        """Cut the joint behind bench number `joint`; dancers behind it no longer walk."""
         self._pivots[joint].max_force = 0.0
         self._stop_pushing(joint + 1, drag)
 
@@ -113,7 +115,7 @@ class Dancers:
         self._limits = _MAX_GUIDE_FORCE * self._masses[:, None] * drag * self._top_speed**2
 
     def hold(self, bodies: Sequence[pymunk.Body]) -> None:
-        """Begin to carry the benches that were let go, over all others, to their exact positions."""
+        """Begin to carry the benches that were let go, over all others, to their exact poses."""
         if self.returning or self._released is None:
             return
         assert self._limits is not None  # Set by `release`.
@@ -143,8 +145,9 @@ class Dancers:
         """
         assert self._released is not None  # Benches return only if some were free.
         first = self._released + 1
-        # A joint follows a moving target with a delay of this time, so its target is as far ahead: otherwise it would
-        # brake the chain, whose tension would tear it apart when these joints are removed.
+        # A joint follows a moving target with a delay of this time, so its target is as far ahead:
+        # otherwise it would brake the chain, whose tension would tear it apart when these joints
+        # are removed.
         ahead = substep / (1 - math.exp(-_RETURN_RATE * self._top_speed * substep))
         targets = states.positions[0, first:] + ahead * share * states.velocities[0, first:]
         for pivot, (x, y) in zip(self._return_joints, targets.tolist(), strict=True):
@@ -164,8 +167,8 @@ class Dancers:
         for joint in chain.from_iterable(self.joints[self._released - 1 :]):
             joint.max_force = math.inf
         self._released = None
-        behind_cuts = (joint + 1 for joint, pivot in enumerate(self._pivots) if pivot.max_force == 0)
-        self._unpushed = next(behind_cuts, self._dragon.benches)
+        cuts = [number for number, pivot in enumerate(self._pivots) if pivot.max_force == 0]
+        self._unpushed = cuts[0] + 1 if cuts else self._dragon.benches
 
     def _stop_carrying(self) -> None:
         self._space.remove(*self._return_joints)

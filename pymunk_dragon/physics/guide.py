@@ -1,4 +1,4 @@
-"""The base class of guides, which hold the benches on the path, and the guide "none", which holds none."""
+"""The base class of guides, which hold benches on the path, and the guide "none"."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pymunk_dragon.model.march import March, States
 
 
 class GuidedWorld(Protocol):
-    """What a guide reads of the `World` that it is attached to; the attributes are explained there."""
+    """What a guide reads of the `World` to which it is attached; `World` explains it."""
 
     march: March
     masses: Array
@@ -24,25 +24,26 @@ class GuidedWorld(Protocol):
 class PathGuide:
     """Base class of guides, which hold benches on the path by joints, by forces, or by both.
 
-    A subclass overrides what it needs; an instance of it is given to `simulate(guide=...)`. `GUIDES` holds those that
-    have a name.
+    A subclass overrides what it needs; an instance of it is given to `simulate(guide=...)`.
+    `GUIDES` holds those that have a name.
 
     Attributes
     ----------
     anchors : sequence of pymunk.Body
-        Kinematic bodies at the other ends of the guide's joints; the world moves them, and keeps them in a space of
-        their own, which is never stepped.
+        Kinematic bodies at the other ends of the guide's joints; the world moves them, and keeps
+        them in a space of their own, which is never stepped.
     balances_drag : bool
-        Whether the guide's forces balance the ground drag, so that the head has to pull itself only.
+        Whether the guide's forces balance the ground drag, so that the head has to pull itself
+        only.
     free_from : int, optional
-        The first bench, from 1 on, that the guide does not hold on the path; it holds none of those behind either. By
-        default it holds all benches. The run has this number too: reports, films and players compare a run with the
-        exact model only where all benches are held.
+        The first bench, from 1 on, that the guide does not hold on the path; it holds none of those
+        behind either. By default it holds all benches. The run has this number too: reports, films
+        and players compare a run with the exact model only where all benches are held.
 
     Examples
     --------
-    Springs of 2 kN/m that pull the centre of each bench to a circle of 5 m radius about the origin; without them the
-    chain is pulled straight:
+    Springs of 2 kN/m that pull the centre of each bench to a circle of 5 m radius about the origin;
+    without them the chain is pulled straight:
 
     >>> import numpy as np
     >>> from pymunk_dragon import Arc, Dragon, March, simulate
@@ -62,18 +63,20 @@ class PathGuide:
     def attach(self, world: GuidedWorld) -> None:
         """Prepare for a run; called once, before everything else.
 
-        The `march`, `masses` and `moments` of `world` stay; `substep` and `drag_rate` may change from step to step.
+        The `march`, `masses` and `moments` of `world` stay; `substep` and `drag_rate` may change
+        from step to step.
         """
 
     def joints(self, bench: int, body: pymunk.Body) -> Sequence[pymunk.Constraint]:
         """Joints between the body of `bench`, from 1 on, and the anchors; none by default.
 
-        The world raises their `error_bias` to the power of the head's top speed, as that of its own joints.
+        The world raises their `error_bias` to the power of the head's top speed, as that of its own
+        joints.
         """
         return ()
 
     def relocate(self, states: States) -> None:
-        """Take the exact `states` (one time) from which the run begins, or goes on; called after `attach`."""
+        """Take the exact `states` (one time) from which the run begins or goes on, after `attach`."""
 
     def update(self, poses: Array, hinge_velocity: Array, anchors: Array, forces: Array) -> None:
         """Write the anchors' positions and the forces for the next step; called before each.

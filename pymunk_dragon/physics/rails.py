@@ -12,18 +12,20 @@ from pymunk_dragon._arguments import Array, Complex, as_vectors
 from pymunk_dragon.model.march import States
 from pymunk_dragon.physics.guide import GuidedWorld, PathGuide
 
-# m, from a hole to the point that its rail is pinned to. Any length does; one metre needs no scaling of the normal.
+# m, from a hole to the point that its rail is pinned to. Any length does; one metre needs no
+# scaling of the normal.
 _PIN_LENGTH = 1.0
 
 
 class Rails(PathGuide):
     """Path constraints for all rear holes, with forces of dancers that balance the ground drag.
 
-    A rail is a `PinJoint` from a bench's rear hole to an anchor one metre beside the path, on the normal through the
-    hole's foot on the curve. So the hole can move only along the path. The anchor moves to the next normal before
-    every step. The dancers' force along each bench, and their torque, balance the drag on it at the speed and the
-    angular rate that follow from bench to bench, from the head on. The guide uses the path, the head's speed and the
-    engine's positions, but no exact positions of the chain: these are for the engine to find.
+    A rail is a `PinJoint` from a bench's rear hole to an anchor one metre beside the path, on the
+    normal through the hole's foot on the curve. So the hole can move only along the path. The
+    anchor moves to the next normal before every step. The dancers' force along each bench, and
+    their torque, balance the drag on it at the speed and the angular rate that follow from bench to
+    bench, from the head on. The guide uses the path, the head's speed and the engine's positions,
+    but no exact positions of the chain: these are for the engine to find.
     """
 
     balances_drag = True
@@ -36,20 +38,24 @@ class Rails(PathGuide):
         self.anchors = [pymunk.Body(body_type=pymunk.Body.KINEMATIC) for _ in spacings]
         self._inertia = np.array([world.masses[1:], world.moments[1:]])
         self._over_spacings = 1 / spacings
-        # From the rear hole to the centre, along the bench, m; complex, as NumPy converts real factors at every call.
+        # From the rear hole to the centre, along the bench, m; complex, as NumPy converts real
+        # factors at every call.
         self._half = (spacings / 2).astype(complex)
 
     def relocate(self, states: States) -> None:
         """Take coordinates and speeds of the rear holes from `states`."""
-        # They only identify the turn of the curve on which each hole is. A jackknifed bench pushes its hole back.
+        # They only identify the turn of the curve on which each hole is. A jackknifed bench pushes
+        # its hole back.
         self._rear_s = states.handles_s[0, 2:]
-        self._rear_speeds = np.sum(states.velocities[0, 2:] * self._curve.tangent(self._rear_s), axis=-1)
+        tangents = self._curve.tangent(self._rear_s)
+        self._rear_speeds = np.sum(states.velocities[0, 2:] * tangents, axis=-1)
         # That of the step before.
         self._last_motion: Array | None = None
 
     def joints(self, bench: int, body: pymunk.Body) -> Sequence[pymunk.Constraint]:
         """Pin from the rear hole to its anchor."""
-        pin = pymunk.PinJoint(body, self.anchors[bench - 1], (-float(self._half[bench - 1].real), 0.0), (0.0, 0.0))
+        hole = -float(self._half[bench - 1].real)
+        pin = pymunk.PinJoint(body, self.anchors[bench - 1], (hole, 0.0), (0.0, 0.0))
         pin.distance = _PIN_LENGTH
         return (pin,)
 
@@ -60,7 +66,8 @@ class Rails(PathGuide):
         np.cos(poses[1:, 2], out=headings.real)
         np.sin(poses[1:, 2], out=headings.imag)
         holes = _complex(poses[1:, :2]) - headings * self._half
-        self._rear_s, feet, directions = self._curve.foot(as_vectors(holes), self._rear_s + self._rear_speeds * substep)
+        expected = self._rear_s + self._rear_speeds * substep
+        self._rear_s, feet, directions = self._curve.foot(as_vectors(holes), expected)
         tangents = _complex(directions)
         np.add(tangents * (_PIN_LENGTH * 1j), _complex(feet), out=_complex(anchors))
         motion = self._motion(complex(*hinge_velocity), headings, tangents)
@@ -75,8 +82,8 @@ class Rails(PathGuide):
     def _motion(self, hinge_velocity: complex, headings: Complex, tangents: Complex) -> Array:
         """Speeds of the benches along themselves, m/s, and their angular rates, rad/s, (2, N - 1).
 
-        Each bench's front hole moves with the rear hole of the bench before, the first one's with the head's, and its
-        rear hole moves along the path.
+        Each bench's front hole moves with the rear hole of the bench before, the first one's with
+        the head's, and its rear hole moves along the path.
         """
         facing = headings.conj()
         front, rear = np.empty_like(facing), tangents * facing
@@ -85,9 +92,10 @@ class Rails(PathGuide):
         # As `velocity_ratios`, times the head's speed.
         self._rear_speeds = np.multiply.accumulate(front.real / rear.real)
         front[1:] *= self._rear_speeds[:-1]
-        return np.array([front.real, (front.imag - self._rear_speeds * rear.imag) * self._over_spacings])
+        across = front.imag - self._rear_speeds * rear.imag
+        return np.array([front.real, across * self._over_spacings])
 
 
 def _complex(vectors: Array) -> Complex:
-    """Vectors (N, 2) as complex numbers (N,), in the same memory: NumPy then calls once for both components."""
+    """Vectors (N, 2) as complex numbers (N,) in the same memory, for one call of NumPy instead of two."""
     return vectors.view(complex)[:, 0]

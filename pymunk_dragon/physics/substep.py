@@ -1,4 +1,4 @@
-"""A step of the engine: its length, which changes gradually, and the motion of the benches within it."""
+"""Length of a substep, which changes gradually, and motion of the benches within it."""
 
 from __future__ import annotations
 
@@ -10,18 +10,20 @@ from pymunk_dragon.collision.sat import Separation, separation
 from pymunk_dragon.model.contact import Contact
 from pymunk_dragon.model.dragon import Dragon, outlines
 
-# Two steps in a row differ in length by this ratio at most. Pymunk's solver begins a step with the impulses of the step
-# before. After a change by a ratio c, it begins the second step with impulses that are wrong by |c - 1|, and errors of
-# several steps add up along a chain. With 1 % a step, forces of 30 benches that are pulled over the ground are within
-# 2 %, and those of 100 within 10 %; where the step becomes a third at once, they are wrong by 113 and 194 %. The slider
-# of a page goes from its middle to an end in 230 steps.
+# Two steps in a row differ in length by this ratio at most. Pymunk's solver begins a step with the
+# impulses of the step before. After a change by a ratio c, it begins the second step with impulses
+# that are wrong by |c - 1|, and errors of several steps add up along a chain. With 1 % a step,
+# forces of 30 benches that are pulled over the ground are within 2 %, and those of 100 within 10 %;
+# where the step becomes a third at once, they are wrong by 113 and 194 %. The slider of a page goes
+# from its middle to an end in 230 steps.
 _STEP_RATIO = 1.01
-# Halvings of a substep: a hundredth of a second becomes 1e-11 s, far below what the engine's poses are worth.
+# Halvings of a substep: a hundredth of a second becomes 1e-11 s, far below what the engine's poses
+# are worth.
 _BISECTIONS = 30
 
 
 def next_length(before: float, chosen: float) -> float:
-    """Length of the next step, s, after one of `before` s: the chosen one, or one that is nearer to it.
+    """Length of the next step, s: the chosen one, or one between it and `before`, the last one.
 
     Any length may follow where no step was made yet, and `before` is 0.
 
@@ -36,7 +38,7 @@ def next_length(before: float, chosen: float) -> float:
 
 
 class Motion(NamedTuple):
-    """Poses of benches within a substep, with even acceleration: before + share * first + share**2 * second."""
+    """Poses within a substep of even acceleration: before + share * first + share**2 * second."""
 
     before: Array
     first: Array
@@ -51,9 +53,10 @@ class Motion(NamedTuple):
         return self.first + 2 * share * self.second
 
     def refined(self, dragon: Dragon, contact: Contact, begin: float) -> Contact:
-        """A contact that began in a substep which begins at `begin` s, at the time when the benches began to touch.
+        """A contact of the substep that begins at `begin` s, at the time when the benches began to touch.
 
-        That is the start of the substep if they touched there already, and its end if they touch there by rounding.
+        That is the start of the substep if they touched there already, and its end if they touch
+        there by rounding.
         """
         pair = list(contact.benches)
         sizes = dragon.lengths[pair], dragon.widths[pair]

@@ -22,7 +22,8 @@ from pymunk_dragon.physics.readings import JointForces
 from pymunk_dragon.physics.substep import next_length
 from pymunk_dragon.physics.warm_start import set_impulses
 
-# kg per square metre: planks of pine, 4 cm thick. It is the same for all benches, so it only scales impulses.
+# kg per square metre: planks of pine, 4 cm thick. It is the same for all benches, so it only scales
+# impulses.
 _AREA_DENSITY = 20.0
 # Friction of wood on wood; it matters only where contacts are resolved.
 _FRICTION = 0.4
@@ -33,7 +34,8 @@ _MAX_TIME = 1e9
 _RECOVERING = 5.0
 # Largest factor on the speed of the march; more is taken for a typing error.
 _MAX_SPEEDUP = 1e3
-# Per metre: largest share of the speed that a march loses in a metre; more is taken for a typing error.
+# Per metre: largest share of the speed that a march loses in a metre; more is taken for a typing
+# error.
 _MAX_BRAKING = 1e6
 
 
@@ -46,39 +48,43 @@ def top_speed(march: March, start: float, until: float | None) -> float:
 class World:
     """A Pymunk space with a dragon at `start` on its march; its state is read and written for all bodies at once.
 
-    Each step is `prepare` or `follow`, ``space.step(world.substep)``, `read`. Between two steps settings may change,
-    and where contacts are resolved, dancers may let go and come back, and joints may be cut.
+    Each step is `prepare` or `follow`, ``space.step(world.substep)``, `read`. Between two steps
+    settings may change, and where contacts are resolved, dancers may let go and come back, and
+    joints may be cut.
 
     Parameters
     ----------
     march : March
         The motion to play. Only its state at `start` is used here, later only the head's.
     guide, settings, **changes
-        As in `simulate`. With contacts other than "resolve" the head is a kinematic body, which has its exact poses
-        whatever it touches; otherwise a motor pulls it towards them.
+        As in `simulate`. With contacts other than "resolve" the head is a kinematic body, which has
+        its exact poses whatever it touches; otherwise a motor pulls it towards them.
     start, until : float
-        Times of the first state and of the last step, s, by default at the end of the curve. The rates of drag and
-        joint correction are proportional to the highest speed of the head between them.
+        Times of the first state and of the last step, s, by default at the end of the curve. The
+        rates of drag and joint correction are proportional to the highest speed of the head between
+        them.
 
     Attributes
     ----------
     settings : EngineSettings
         The settings with numbers where defaults depend on the march.
     substep, drag_rate, top_speed : float
-        Length of the next step, s, rate at which the ground drag reduces velocities, 1/s, highest speed of the head,
-        m/s. After a change of its setting, the length of a step approaches the new one by 1 % a step.
+        Length of the next step, s, rate at which the ground drag reduces velocities, 1/s, highest
+        speed of the head, m/s. After a change of its setting, the length of a step approaches the
+        new one by 1 % a step.
     space, bodies, shapes, pivots
-        The space, and lists of the benches' bodies, shapes and pivots. Pivot i joins benches i and i + 1.
+        The space, and lists of the benches' bodies, shapes and pivots. Pivot i joins benches i and
+        i + 1.
     masses, moments : ndarray, shape (N,)
         Masses of the benches, kg, and their moments of inertia about their centres, kg m^2.
     poses, velocities, collided_poses : ndarray, shape (N, 3)
-        State of the benches after the last step, and poses at which the space found contacts and solved the joints in
-        it: m, m, rad and per s.
+        State of the benches after the last step, and poses at which the space found contacts and
+        solved the joints in it: m, m, rad and per s.
     time, share : float
         Time, s, of a march that `follow` plays, and the share of its speed that it has.
     free_from : int or None
-        First bench that nothing holds on the path, as nothing holds those behind it: 1 with the guide "none"; otherwise
-        the first one whose dancers have let go. None if all are held.
+        First bench that nothing holds on the path, as nothing holds those behind it: 1 with the
+        guide "none"; otherwise the first one whose dancers have let go. None if all are held.
 
     Examples
     --------
@@ -113,7 +119,7 @@ class World:
         self.start = start
         self.time = start
         self.share = 1.0
-        self.guide = guide if isinstance(guide, PathGuide) else GUIDES[word("guide", guide, GUIDES)]()
+        self.guide = _guide_of(guide)
         _check_free_from(self.guide, march)
         self.top_speed = top_speed(march, start, until)
 
@@ -141,8 +147,9 @@ class World:
         # Half a step times the change of velocity in the last step.
         self._shift = np.zeros((dragon.benches, 3))
 
-        # In this order: a guide reads the settings when it is attached, and its anchors and joints exist from then on.
-        # The warm start needs all joints, and makes steps in which benches must not touch.
+        # In this order: a guide reads the settings when it is attached, and its anchors and joints
+        # exist from then on. The warm start needs all joints, and makes steps in which benches must
+        # not touch.
         self._given = settings
         self.change(**changes)
         state = march.at(start)
@@ -247,9 +254,9 @@ class World:
     def prepare(self, states: States, row: int = 0, share: float = 1.0) -> None:
         """Make the next step end with the head in the state at time number `row` of `states`.
 
-        Its velocities apply by a `share`, for a march that waits. Pymunk will first move every body by its velocity and
-        then solve the joints, so the poses given to it lie one such move before the ones at which the joints shall
-        hold.
+        Its velocities apply by a `share`, for a march that waits. Pymunk will first move every body
+        by its velocity and then solve the joints, so the poses given to it lie one such move before
+        the ones at which the joints shall hold.
         """
         instance("states", states, States, "the States of a march")
         row = whole("row", row, 0, len(states.times) - 1)
@@ -261,8 +268,9 @@ class World:
     def follow(self, lag: float, braking: float, speed: float = 1.0, *, recovers: bool = False) -> bool:
         """Prepare a step of a march that waits while the head cannot follow; whether the curve goes on so far.
 
-        Where the head is `lag` widths off, the march loses a share `braking` of its speed in a metre at full speed, and
-        regains it ten times more slowly. `speed` is a factor, and `recovers` whether one that stands goes to the head.
+        Where the head is `lag` widths off, the march loses a share `braking` of its speed in a
+        metre at full speed, and regains it ten times more slowly. `speed` is a factor, and
+        `recovers` whether one that stands goes to the head.
         """
         lag = finite("lag", lag, 0.0, math.inf, "widths")
         braking = finite("braking", braking, 0.0, _MAX_BRAKING, "per metre")
@@ -316,7 +324,8 @@ class World:
     def _warm_start(self, state: States) -> None:
         """Set the benches to the exact `state` at the start, and the joints' impulses to those in balance there.
 
-        Sweeps of the solver then find the impulses of joints that are not pivots or pins, and those of motors.
+        Sweeps of the solver then find the impulses of joints that are not pivots or pins, and those
+        of motors.
         """
         buffers = self._buffers
         poses = state.poses[0]
@@ -327,8 +336,10 @@ class World:
             # The last hole is at the curve's begin.
             earlier = state
         before = earlier.pose_velocities[0]
-        # The guide balances the change from one step to the next: it is updated for the earlier state first.
-        self.guide.update(earlier.poses[0], earlier.velocities[0, 1], buffers.anchors, buffers.forces)
+        # The guide balances the change from one step to the next: it is updated for the earlier
+        # state first.
+        hinge_velocity = earlier.velocities[0, 1]
+        self.guide.update(earlier.poses[0], hinge_velocity, buffers.anchors, buffers.forces)
         buffers.poses[:] = poses - self.substep * before
         self._send(poses, state, 0, 1.0)
 
@@ -354,7 +365,7 @@ class World:
 
     @property
     def free_from(self) -> int | None:
-        """First bench that nothing holds on the path, as nothing holds those behind it; None if all are held."""
+        """First of the benches that nothing holds on the path; None if all are held."""
         return self._dancers.free_from
 
     @property
@@ -392,6 +403,13 @@ def _set_velocities(bodies: Sequence[pymunk.Body], velocities: Array) -> None:
 def _pins(joints: Sequence[pymunk.Constraint]) -> list[pymunk.PinJoint]:
     """The pins among the joints of a guide."""
     return [joint for joint in joints if isinstance(joint, pymunk.PinJoint)]
+
+
+def _guide_of(guide: str | PathGuide) -> PathGuide:
+    """The guide, or a new one of the given name."""
+    if isinstance(guide, PathGuide):
+        return guide
+    return GUIDES[word("guide", guide, GUIDES)]()
 
 
 def _check_free_from(guide: PathGuide, march: March) -> None:

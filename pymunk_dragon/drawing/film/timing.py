@@ -112,7 +112,7 @@ def _events_of(sources: Sequence[Source], window: tuple[float, float]) -> list[_
 
 
 def _events(source: Source, start: float, until: float) -> list[_Event]:
-    """Near misses and first contact of one source between two times, s. A run of free benches has no near misses."""
+    """Near misses, unless benches are free, and first contact of a source between two times, s."""
     march, exact, contact = march_of(source), None, None
     if isinstance(source, Run):
         contact = source.first_contact
