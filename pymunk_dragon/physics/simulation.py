@@ -234,7 +234,7 @@ def _provenance(world: World, until: float, substeps: int) -> dict[str, Any]:
         "until": until,
     }
     if world.guide.free_from is not None:
-        values["free_from"] = world.guide.free_from
+        values["free_from"] = int(world.guide.free_from)
     for name, value in asdict(world.settings).items():
         # Other settings only where they are not their defaults.
         if value != getattr(EngineSettings, name):
