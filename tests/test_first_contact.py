@@ -19,7 +19,7 @@ from pymunk_dragon.collision.bounds import UNPROVEN_ROUNDING, Intervals, MotionB
 from pymunk_dragon.collision.first_contact import _near_misses
 from pymunk_dragon.errors import DragonError, ParameterError, UnreachableError
 from pymunk_dragon.model.curves import Arc, Composite, Line, Reversed, Sampled, Section, Spiral, UTurn, sampled
-from pymunk_dragon.physics.callbacks import Motion
+from pymunk_dragon.physics.substep import Motion
 
 SIZES = ("head_spacing", "body_spacing", "overhang", "width")
 TIGHT = March(Dragon(benches=30), Spiral(pitch=0.31), turns=8)

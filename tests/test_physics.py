@@ -27,7 +27,7 @@ from pymunk_dragon import (
 )
 from pymunk_dragon.errors import DragonError, UnreachableError
 from pymunk_dragon.physics import Rails
-from pymunk_dragon.physics.callbacks import Recorder
+from pymunk_dragon.physics.contacts import Recorder
 
 # s: when benches 0 and 8 of the exact march first touch (test_first_contact.py).
 TRUE_TIME = 412.473838
@@ -217,7 +217,6 @@ CIRCLE = March(Dragon(benches=8), Arc(centre=(0, 0), radius=5, begin_angle=0, sw
 
 
 def test_settings_and_guides_play_the_same_run_again(tmp_path):
-    assert simulate(CIRCLE, guide=type("Mine", (PathGuide,), {})(), until=0.1).guide == "Mine"
     guide = Rails()
     first, second = (simulate(CIRCLE, guide=guide, until=1.0) for _ in range(2))
     assert first == second == simulate(CIRCLE, until=1.0)
@@ -229,6 +228,26 @@ def test_settings_and_guides_play_the_same_run_again(tmp_path):
         simulate(CIRCLE, until=1.0, settings=dragged).save(tmp_path / name)
     assert (tmp_path / "run.npz").read_bytes() == (tmp_path / "same.npz").read_bytes()
     assert Run.load(tmp_path / "run.npz").settings.drag == 20.0
+
+
+def test_run_knows_which_benches_its_guide_does_not_hold(tmp_path):
+    mine = [type("Mine", (PathGuide,), members)() for members in ({}, {"free_from": 3})]
+    for guide, name, free_from in (
+        ("rails", "rails", None),
+        ("none", "none", 1),
+        (mine[0], "Mine", None),
+        (mine[1], "Mine", 3),
+    ):
+        run = simulate(CIRCLE, guide=guide, until=0.1)
+        run.save(tmp_path / "run.npz")
+        for each in (run, Run.load(tmp_path / "run.npz")):
+            assert (each.guide, each.free_from) == (name, free_from)
+    world = World(CIRCLE, mine[1], contacts="resolve")
+    assert world.free_from == 3
+    world.release(5)
+    assert world.free_from == 3
+    world.release(2)
+    assert world.free_from == 2
 
 
 def test_stop_logs_the_three_phases_of_the_last_substep(late_run):
@@ -404,7 +423,8 @@ def test_unusable_settings_are_refused_by_name(seed_march):
         # None asks for the default, and a run may start at 0 s or before.
         if value is not None and not (name == "start" and isinstance(value, int) and value in (0, -1))
     ]
-    wrong = (("joints", lambda self, bench, body: None), ("anchors", 3), ("anchors", [3]))
+    wrong = [("joints", lambda self, bench, body: None), ("anchors", 3), ("anchors", [3])]
+    wrong += [("free_from", bench) for bench in (0, 8, "tail")]
     cases += [
         *(("guide", {"guide": guide}) for guide in ("ropes", Rails, object(), 3)),
         *((f"Mine.{name}", {"guide": type("Mine", (PathGuide,), {name: value})()}) for name, value in wrong),

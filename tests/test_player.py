@@ -116,7 +116,7 @@ def test_seeds_whole_run_fits_into_2_megabytes_and_has_its_near_misses(seed_marc
     ends = [seed_march.at(0.0).positions[0, -1], [0, 0]]
     np.testing.assert_allclose(curve_points(seed_march, 0.0, 1.0)[[0, -1]], ends, atol=1e-4)
     # A dragon off its path has none of them.
-    off = replace(Run.exact(seed_march, [409.0, 410.0]), provenance={"player": "pymunk", "guide": "none"})
+    off = replace(Run.exact(seed_march, [409.0, 410.0]), provenance={"player": "pymunk", "free_from": 1})
     assert Page(player_page(off)).payload["near_misses"] == []
 
 

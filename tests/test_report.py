@@ -38,7 +38,7 @@ RUNS = {
     "first contact": lambda run: simulate(SMALL, start=79.0),
     "no contact": lambda run: replace(run, events=ContactLog(), first_contact=None, outcome="unreachable"),
     "unknown drift": lambda run: replace(run, drift=np.where(run.drift > 1e-4, np.nan, run.drift)),
-    "nobody on the path": lambda run: replace(run, provenance={**run.provenance, "guide": "none"}),
+    "nobody on the path": lambda run: replace(run, provenance={**run.provenance, "free_from": 1}),
     "nothing known": lambda run: Run(march=SMALL, times=[1], poses=SMALL.at([1]).poses, drift=np.zeros((1, 16))),
     "exact": lambda run: Run.exact(SMALL, np.arange(5.0)),
     "exact, with a contact": lambda run: Run.exact(SMALL, np.arange(79.0, 83.0)),
@@ -169,6 +169,10 @@ def test_run_is_compared_with_the_exact_contact_if_a_guide_kept_it_on_its_path(s
         assert "t = 80.691317692 s: benches 0 and 8 " in said
         assert "The same benches" not in said
         assert ("No guide kept this dragon on its path" in said) == (run is off)
+    half = replace(small_run, provenance={**small_run.provenance, "free_from": 9})
+    said = FORMATS[".md"](summarize(half))
+    assert "benches from 9 to the tail" in said
+    assert "The same benches" not in said
 
 
 def test_csv_brings_every_number_back(small_run, written):

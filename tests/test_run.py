@@ -19,7 +19,7 @@ from hypothesis import strategies as st
 from pymunk_dragon import Contact, ContactEvent, ContactLog, Dragon, EngineSettings, March, Run, Spiral
 from pymunk_dragon.errors import DragonError, FileFormatError
 from pymunk_dragon.model.contact import ContactWindow
-from pymunk_dragon.model.settings import versions
+from pymunk_dragon.model.run import versions
 
 MARCH = March(Dragon(benches=4, width=0.29), Spiral(pitch=0.6), turns=9.5, speed=1.25)
 TOUCH = {
@@ -232,6 +232,7 @@ def test_attributes_come_from_provenance_and_impossible_ones_are_refused(load):
     assert exact.provenance == {"player": "exact", "versions": versions()}
     assert (exact.player, exact.guide, exact.settings, exact.start, exact.substeps) == ("exact", None, None, 1.5, None)
     wrong = {"player": 3, "guide": ["rails"], "contacts": "ignore", "start": "noon", "substep": -0.01, "substeps": 2.5}
+    wrong |= {"free_from": 4}
     for name, value in (wrong | {"iterations": 0, "drag": True, "head_force": "much", "versions": "2"}).items():
         change = {**ENGINE, name: value}
         damaged = notes(lambda values, change=change: values.update(provenance=change))

@@ -8,9 +8,12 @@ from __future__ import annotations
 import io
 import json
 import math
+import platform
+import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, fields
+from importlib.metadata import version
 from pathlib import Path
 from types import NoneType
 from typing import IO, Any, Literal, get_args
@@ -27,6 +30,7 @@ from pymunk_dragon._arguments import (
     instances,
     numbers,
     read_only,
+    whole,
     word,
 )
 from pymunk_dragon._files import check_destination, written_in_place
@@ -36,7 +40,7 @@ from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog, conta
 from pymunk_dragon.model.dragon import Dragon, pose_step
 from pymunk_dragon.model.march import March, check_march
 from pymunk_dragon.model.scenario import Scenario
-from pymunk_dragon.model.settings import EngineSettings, attributes_of, versions
+from pymunk_dragon.model.settings import EngineSettings
 
 # How a run ended: at a contact, without one, or where the head has no coordinate on the curve.
 Outcome = Literal["contact", "clear", "unreachable"]
@@ -88,7 +92,8 @@ class Run(ArrayRecord):
         Whether a contact came, none came until the end, or the curve ended first.
     provenance : mapping
         JSON values, of which these attributes are read, None if unknown: `player` ("pymunk" or "exact"), `guide`,
-        `settings` (an `EngineSettings`), `start` in s, number of `substeps`, `versions` of Python and libraries.
+        `settings` (an `EngineSettings`), `start` in s, number of `substeps`, `versions` of Python and libraries; and
+        `free_from`, the first of the benches that no guide holds on the path, None if all are held.
     wall_seconds, step_seconds : float, optional
         Duration of the stepping loop, and of the engine's steps in it, s. They are not saved.
 
@@ -118,6 +123,7 @@ class Run(ArrayRecord):
     step_seconds: float | None = field(default=None, compare=False)
     player: str | None = field(init=False, compare=False)
     guide: str | None = field(init=False, compare=False)
+    free_from: int | None = field(init=False, compare=False)
     settings: EngineSettings | None = field(init=False, compare=False)
     start: float = field(init=False, compare=False)
     substeps: int | None = field(init=False, compare=False)
@@ -157,7 +163,7 @@ class Run(ArrayRecord):
             object.__setattr__(self, "provenance", json.loads(json.dumps(dict(self.provenance))))
         except (TypeError, ValueError) as error:
             raise ParameterError("provenance", self.provenance, f"a mapping of JSON values ({error})") from error
-        for name, value in attributes_of(self.provenance, float(self.times[0])).items():
+        for name, value in _attributes(self.provenance, self.march, float(self.times[0])).items():
             object.__setattr__(self, name, value)
 
     def __repr__(self) -> str:
@@ -340,6 +346,39 @@ def _opened(path: str | Path) -> Iterator[tuple[dict[str, Any], Mapping[str, NDA
     except Exception as error:
         # A damaged archive makes zipfile, its decompressors, NumPy and JSON raise nearly anything.
         raise FileFormatError(path, "no run of pymunk_dragon, or a damaged one") from error
+
+
+def versions() -> dict[str, str]:
+    """Versions of Python and of the libraries that decide a run's numbers."""
+    names = ("pymunk-dragon", "pymunk", "numpy")
+    return {"python": platform.python_version()} | {name: version(name) for name in names}
+
+
+def _attributes(provenance: Mapping[str, Any], march: March, start: float) -> dict[str, Any]:
+    """Attributes of a run from its `provenance`; `start` is that of its first frame, s."""
+    for name in ("player", "guide"):
+        instance(name, provenance.get(name), str | NoneType, "a text")
+    instance("versions", provenance.get("versions"), Mapping | NoneType, "a mapping")
+
+    substeps = provenance.get("substeps")
+    if substeps is not None:
+        whole("substeps", substeps, 0, sys.maxsize)
+    free_from = provenance.get("free_from")
+    if free_from is not None:
+        whole("free_from", free_from, 1, march.dragon.benches - 1)
+
+    names = [each.name for each in fields(EngineSettings) if each.name in provenance]
+    settings = EngineSettings(**{name: provenance[name] for name in names}) if names else None
+    start = finite("start", provenance.get("start", start), -math.inf, math.inf, "s")
+    return {
+        "player": provenance.get("player"),
+        "guide": provenance.get("guide"),
+        "free_from": free_from,
+        "settings": settings,
+        "start": start,
+        "substeps": substeps,
+        "versions": provenance.get("versions") or {},
+    }
 
 
 def _differences(times: Array, poses: Array) -> Array:

@@ -1,14 +1,10 @@
-"""Settings of the Pymunk engine, and the provenance of a run: what produced it, with which settings and versions."""
+"""Settings of the Pymunk engine."""
 
 from __future__ import annotations
 
 import math
-import platform
-import sys
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields, replace
-from importlib.metadata import version
-from typing import Any, Literal, get_args
+from dataclasses import dataclass, replace
+from typing import Literal, get_args
 
 from pymunk_dragon._arguments import finite, positive, whole, word
 from pymunk_dragon.errors import ParameterError
@@ -94,33 +90,3 @@ class EngineSettings:
             force = _HEAD_FORCE * self.drag * top_speed**2 * pulled_mass
         finite("substep", substep, _MIN_STRIDE / top_speed, MAX_STRIDE / top_speed, "s")
         return replace(self, substep=substep, iterations=self.iterations or iterations, head_force=force)
-
-
-def versions() -> dict[str, str]:
-    """Versions of Python and of the libraries that decide a run's numbers."""
-    names = ("pymunk-dragon", "pymunk", "numpy")
-    return {"python": platform.python_version()} | {name: version(name) for name in names}
-
-
-def engine_provenance(
-    settings: EngineSettings, *, guide: str, start: float, until: float, substeps: int
-) -> dict[str, Any]:
-    """The `provenance` of a run of the engine from `start` to at most `until`, s."""
-    # Other settings only where they are not their defaults.
-    changed = {name: value for name, value in asdict(settings).items() if value != getattr(EngineSettings, name)}
-    values = {"player": "pymunk", "guide": guide, "contacts": settings.contacts, "start": start, "until": until}
-    return {**values, **changed, "substeps": substeps, "versions": versions()}
-
-
-def attributes_of(provenance: Mapping[str, Any], start: float) -> dict[str, Any]:
-    """Attributes of a run from its `provenance`; `start` is that of its first frame, s."""
-    known = {name: provenance.get(name) for name in ("player", "guide", "substeps", "versions")}
-    for name, kind in (("player", str), ("guide", str), ("versions", Mapping)):
-        if not isinstance(known[name], kind | None):
-            raise ParameterError(name, known[name], "a text" if kind is str else "a mapping")
-    if known["substeps"] is not None:
-        whole("substeps", known["substeps"], 0, sys.maxsize)
-    settings = {f.name: provenance[f.name] for f in fields(EngineSettings) if f.name in provenance}
-    start = finite("start", provenance.get("start", start), -math.inf, math.inf, "s")
-    read = {"settings": EngineSettings(**settings) if settings else None, "start": start}
-    return {**known, **read, "versions": known["versions"] or {}}

@@ -79,8 +79,12 @@ first contact to 10 s after it (`python tests/bench/bench.py pile-up`):
 """
 
 from pymunk_dragon.model.settings import EngineSettings
-from pymunk_dragon.physics.guides import GUIDES, PathGuide, Rails
+from pymunk_dragon.physics.guide import GUIDES, NoGuide, PathGuide
+from pymunk_dragon.physics.rails import Rails
 from pymunk_dragon.physics.simulation import simulate
 from pymunk_dragon.physics.world import World
+
+GUIDES["rails"] = Rails
+GUIDES["none"] = NoGuide
 
 __all__ = ["GUIDES", "EngineSettings", "PathGuide", "Rails", "World", "simulate"]

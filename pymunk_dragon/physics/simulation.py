@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
+from dataclasses import asdict
 from time import perf_counter
 from typing import Any
 
@@ -15,18 +16,21 @@ from pymunk_dragon.errors import DragonError, UnreachableError
 from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog
 from pymunk_dragon.model.dragon import pose_step
 from pymunk_dragon.model.march import March, checked_times
-from pymunk_dragon.model.run import Outcome, Run, position_errors
-from pymunk_dragon.model.settings import EngineSettings, engine_provenance
-from pymunk_dragon.physics.callbacks import Motion, Recorder
-from pymunk_dragon.physics.guides import GUIDES, PathGuide
+from pymunk_dragon.model.run import Outcome, Run, position_errors, versions
+from pymunk_dragon.model.settings import EngineSettings
+from pymunk_dragon.physics.contacts import Recorder
+from pymunk_dragon.physics.guide import GUIDES, PathGuide
+from pymunk_dragon.physics.substep import Motion
 from pymunk_dragon.physics.world import World
 
-# Metres that the head travels between recorded frames; between them poses are interpolated to a micrometre.
+# Metres that the head travels between recorded frames; between them poses are interpolated to a
+# micrometre.
 _FRAME_STRIDE = 0.1
-# Where contacts are resolved: the distance from its exact pose at which the head counts as blocked, in widths (1 mm for
-# the contest's benches).
+# Where contacts are resolved: the distance from its exact pose at which the head counts as blocked,
+# in widths (1 mm for the contest's benches).
 _HEAD_LAG = 1 / 300
-# Share of its speed that the march then loses in a metre: at 1 m/s dancers brake at 20 m/s^2, with at most 0.26 kN.
+# Share of its speed that the march then loses in a metre: at 1 m/s dancers brake at 20 m/s^2, with
+# at most 0.26 kN.
 _BRAKING = 20.0
 # Substeps for which the head's exact poses are computed at once.
 _BLOCK = 2048
@@ -47,24 +51,28 @@ def simulate(
 ) -> Run:
     """Play a march in Pymunk.
 
-    The default settings are right to 0.02 mm; a shorter `substep` is more exact, a longer one is faster.
+    The default settings are right to 0.02 mm; a shorter `substep` is more exact, a longer one is
+    faster.
 
     Parameters
     ----------
     march : March
-        The motion to play. The engine takes the state at `start` and the head's poses from it, and nothing else.
+        The motion to play. The engine takes the state at `start` and the head's poses from it, and
+        nothing else.
     settings, **changes : EngineSettings, optional
         Settings of the engine, and other values of them, as in ``contacts="report"``.
     guide : {"rails", "none"} or PathGuide
-        Whether dancers keep every hole on the curve, or the head only pulls; or a guide of your own.
+        Whether dancers keep every hole on the curve, or the head only pulls; or a guide of your
+        own.
     start, until : float
-        Simulated times, s. The run ends with the first substep that reaches `until`. Without `until`, and at the
-        latest, it ends at the time `march.end`, also if contacts have held the head up; on a curve that ends, with the
-        last whole substep before its end.
+        Simulated times, s. The run ends with the first substep that reaches `until`. Without
+        `until`, and at the latest, it ends at the time `march.end`, also if contacts have held the
+        head up; on a curve that ends, with the last whole substep before its end.
     on_event : callable, optional
         Called with each `ContactEvent`; what it raises is raised from here after the substep.
     progress : callable, optional
-        Called with the simulated time and the time at which the run will end at the latest, once per frame.
+        Called with the simulated time and the time at which the run will end at the latest, once
+        per frame.
 
     Returns
     -------
@@ -104,9 +112,7 @@ def simulate(
         events=ContactLog(tuple(loop.recorder.events)),
         first_contact=loop.first_contact,
         outcome=loop.outcome,
-        provenance=engine_provenance(
-            world.settings, guide=_guide_name(world.guide), start=start, until=until, substeps=loop.substeps
-        ),
+        provenance=_provenance(world, until, loop.substeps),
         wall_seconds=loop.wall_seconds,
         step_seconds=loop.step_seconds,
     )
@@ -138,7 +144,8 @@ class _Loop:
         total = max(1, math.ceil((end - world.start) / world.substep - _LAST_SUBSTEP))
         track = _waiting_head if settings.contacts == "resolve" else _exact_head
         begin = perf_counter()
-        # A chain that flies apart is found by `_record`, in the next frame; until then NumPy need not warn of it.
+        # A chain that flies apart is found by `_record`, in the next frame; until then NumPy need
+        # not warn of it.
         with np.errstate(all="ignore"), signals_held(lambda: self.recorder.in_engine) as release:
             for _ in track(world, total):
                 self._step()
@@ -174,9 +181,9 @@ class _Loop:
     def _refine(self, before: Array, velocities: Array, times: tuple[float, float]) -> None:
         """Find the first of the contacts that began in the last substep.
 
-        The velocities after the substep include the collision response already. So the benches' motion within it is
-        taken from the `velocities` before the substep and from the change of the poses since `before`, on which the
-        impact has no effect yet.
+        The velocities after the substep include the collision response already. So the benches'
+        motion within it is taken from the `velocities` before the substep and from the change of
+        the poses since `before`, on which the impact has no effect yet.
         """
         world, substep = self._world, times[1] - times[0]
         moved = pose_step(before, world.collided_poses)
@@ -215,6 +222,24 @@ def _exact_head(world: World, total: int) -> Iterator[None]:
             yield
         if len(states.times) < len(times):
             return
+
+
+def _provenance(world: World, until: float, substeps: int) -> dict[str, Any]:
+    """The `provenance` of a run of a world to at most `until`, s."""
+    values = {
+        "player": "pymunk",
+        "guide": _guide_name(world.guide),
+        "contacts": world.settings.contacts,
+        "start": world.start,
+        "until": until,
+    }
+    if world.guide.free_from is not None:
+        values["free_from"] = int(world.guide.free_from)
+    for name, value in asdict(world.settings).items():
+        # Other settings only where they are not their defaults.
+        if value != getattr(EngineSettings, name):
+            values[name] = value
+    return values | {"substeps": substeps, "versions": versions()}
 
 
 def _guide_name(guide: PathGuide) -> str:

@@ -53,8 +53,8 @@ def player_data(summary: Summary) -> tuple[dict[str, Any], dict[str, str]]:
     interval = float(np.median(np.diff(run.times))) if len(run.times) > 1 else 1.0
     step = positions[0]["step"] * _VELOCITY_STEP / interval
     velocities, velocity_error = _pack_handles(dragon.hole_velocities(run.poses, run.pose_velocities), step)
-    # The exact model's near misses do not apply to a dragon without a guide.
-    near_misses = () if run.guide == "none" else summary.near_misses or ()
+    # The exact model's near misses do not apply to benches that nothing holds on the path.
+    near_misses = () if run.free_from is not None else summary.near_misses or ()
     packed: dict[str, _Packed] = {
         "handles": positions,
         "velocities": velocities,

@@ -147,8 +147,11 @@ def _comparison(summary: Summary) -> str:
     """Comparison of the run's first contact, or its absence, with the exact model."""
     run, exact = summary.run, summary.exact
     notes = [] if run.first_contact else [text("None in this run.")]
-    if run.guide == "none":
+    if run.free_from == 1:
         notes.append(text("No guide kept this dragon on its path."))
+    elif run.free_from is not None:
+        free = text("No guide kept the benches from {bench} to the tail on the path.")
+        notes.append(free.format(bench=run.free_from))
     if error := _time_error(summary):
         same = text("The same benches touch in the exact model; the contact of the run is {error}.")
         notes.append(same.format(error=error))
@@ -159,9 +162,12 @@ def _comparison(summary: Summary) -> str:
 
 
 def _time_error(summary: Summary) -> str | None:
-    """Time of the run's first contact relative to the exact one; None if the benches differ or nothing guides them."""
-    first, exact = summary.run.first_contact, summary.exact_contact
-    if first is None or exact is None or first.benches != exact.benches or summary.run.guide in ("none", None):
+    """Time of the run's first contact relative to the exact one; None if the benches differ or are not all guided."""
+    run = summary.run
+    first = run.first_contact
+    exact = summary.exact_contact
+    guided = run.guide is not None and run.free_from is None
+    if first is None or exact is None or first.benches != exact.benches or not guided:
         return None
     error = 1e3 * (first.time - exact.time)
     template = text("{error} ms early") if error < 0 else text("{error} ms late")

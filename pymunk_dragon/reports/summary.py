@@ -119,7 +119,7 @@ def summarize(run: Run) -> Summary:
         raise ParameterError("run", run, "a Run")
     start, until = run.times[[0, -1]].tolist()
     # The first contact of a guided run may be slightly before the exact one.
-    if run.first_contact and run.guide != "none":
+    if run.first_contact and run.free_from is None:
         until = min(run.march.end, max(until, 2 * until - start))
     exact = None
     # A run of a single frame, or times beyond the end of the curve, as in an edited file, have no result.

@@ -15,7 +15,7 @@ from pymunk_dragon._arguments import Array, finite, number, positive, whole, wor
 from pymunk_dragon.drawing.debug_draw import DrawRecorder, area
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.physics.readings import QUANTITIES, Readings, Touches, body_at, energies, grip, joint_at, units
-from pymunk_dragon.physics.steps import next_length
+from pymunk_dragon.physics.substep import next_length
 from pymunk_dragon.sessions.controls import Button, Key, PygameEvents, Slider, slider_around
 from pymunk_dragon.web.frames import in_binary, packed
 

@@ -19,7 +19,7 @@ import pymunk
 from pymunk_dragon._arguments import MAX_COORDINATE, finite, whole, word
 from pymunk_dragon._files import read_text
 from pymunk_dragon.errors import DragonError, FileFormatError, ParameterError
-from pymunk_dragon.physics.callbacks import callbacks_raise
+from pymunk_dragon.physics.contacts import callbacks_raise
 from pymunk_dragon.sessions.dragon import DragonScene
 from pymunk_dragon.sessions.holds import Holds
 from pymunk_dragon.sessions.ready import SCENES, Ready, planned, ready

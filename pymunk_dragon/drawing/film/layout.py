@@ -160,8 +160,12 @@ def _model(source: Source) -> str:
     if isinstance(source, March) or source.player == "exact":
         return text("exact model")
     # A guide of the user's own has no other name.
-    guides = {"none": text("only the head is guided"), "rails": text("dancers guide every bench")}
-    return text(": ").join(filter(None, (text("engine"), guides.get(source.guide or "", source.guide))))
+    guide = source.guide
+    if source.free_from == 1:
+        guide = text("only the head is guided")
+    elif guide == "rails":
+        guide = text("dancers guide every bench")
+    return text(": ").join(filter(None, (text("engine"), guide)))
 
 
 def _row(parts: Sequence[Image.Image], width: int) -> Image.Image:

@@ -112,12 +112,12 @@ def _events_of(sources: Sequence[Source], window: tuple[float, float]) -> list[_
 
 
 def _events(source: Source, start: float, until: float) -> list[_Event]:
-    """Near misses and first contact of one source between two times, s. A run that is not guided has no near misses."""
+    """Near misses, unless benches are free, and first contact of a source between two times, s."""
     march, exact, contact = march_of(source), None, None
     if isinstance(source, Run):
         contact = source.first_contact
         start, until = np.clip((start, until), *source.times[[0, -1]]).tolist()
-    if start < until and not (isinstance(source, Run) and (source.guide == "none" or "live" in source.provenance)):
+    if start < until and not (isinstance(source, Run) and source.free_from is not None):
         exact = first_contact_until(march, start, until)
         contact = contact if isinstance(source, Run) else exact.contact
     times = {miss.time: _NEAR_MISS_TIME for miss in (exact and exact.near_misses) or ()}

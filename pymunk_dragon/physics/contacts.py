@@ -1,4 +1,4 @@
-"""Contacts as Pymunk reports them: a log of all collision callbacks, and the time within a substep of the first one."""
+"""Contacts as Pymunk reports them: a log of all collision callbacks, and what these raise."""
 
 from __future__ import annotations
 
@@ -9,23 +9,21 @@ from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from time import perf_counter
-from typing import Any, NamedTuple, get_args
+from typing import Any, get_args
 
 import pymunk
 
-from pymunk_dragon._arguments import Array
-from pymunk_dragon.collision.sat import Separation, separation
+from pymunk_dragon.collision.sat import separation
 from pymunk_dragon.model.contact import Contact, ContactEvent, Phase
-from pymunk_dragon.model.dragon import Dragon, outlines
 from pymunk_dragon.physics.readings import impulse_of
 from pymunk_dragon.physics.world import World
 
 _Vector = tuple[float, float]
 
-# Halvings of a substep: a hundredth of a second becomes 1e-11 s, far below what the engine's poses are worth.
-_BISECTIONS = 30
-# Exceptions in callbacks of the present thread, while they are collected; and the hook that was there before.
-_CAUGHT, _BEFORE = threading.local(), [sys.__unraisablehook__]
+# Exceptions in callbacks of the present thread, while they are collected.
+_CAUGHT = threading.local()
+# The hook that was there before.
+_BEFORE = [sys.__unraisablehook__]
 
 
 @contextmanager
@@ -59,16 +57,17 @@ class Recorder:
 
     Where contacts are only reported, the engine does not act on them, and `post_solve` never comes.
 
-    Pymunk 7.3.1 reports some rectangles in line as touching, metres deep or without a normal, although they are apart.
-    So a contact is checked where it begins and where it is deeper than the narrowest bench. It is neither logged nor
-    acted on while the benches are apart.
+    Pymunk 7.3.1 reports some rectangles in line as touching, metres deep or without a normal,
+    although they are apart. So a contact is checked where it begins and where it is deeper than the
+    narrowest bench. It is neither logged nor acted on while the benches are apart.
     """
 
     def __init__(self, world: World, on_event: Callable[[ContactEvent], None] | None = None) -> None:
         self.events: list[ContactEvent] = []
         # Contacts that began in the last step, as at its end.
         self.begun: list[Contact] = []
-        # Whether a step is being made: a signal's handler must not run then, because it could raise an exception in C.
+        # Whether a step is being made: a signal's handler must not run then, because it could raise
+        # an exception in C.
         self.in_engine = False
         self._world, self._on_event, self._time = world, on_event, world.start
         self._benches: dict[pymunk.Shape, tuple[int, pymunk.Body]] = {
@@ -146,47 +145,6 @@ class Recorder:
         return _signed(on_first, not swapped)
 
 
-class Motion(NamedTuple):
-    """Poses of benches within a substep, with even acceleration: before + share * first + share**2 * second."""
-
-    before: Array
-    first: Array
-    second: Array
-
-    def poses(self, share: float) -> Array:
-        """Poses (N, 3) after a `share` of the substep, m, m, rad."""
-        return self.before + share * (self.first + share * self.second)
-
-    def rates(self, share: float) -> Array:
-        """Their rates of change by the share."""
-        return self.first + 2 * share * self.second
-
-    def refined(self, dragon: Dragon, contact: Contact, begin: float) -> Contact:
-        """A contact that began in a substep which begins at `begin` s, at the time when the benches began to touch.
-
-        That is the start of the substep if they touched there already, and its end if they touch there by rounding.
-        """
-        pair = list(contact.benches)
-        sizes = dragon.lengths[pair], dragon.widths[pair]
-
-        def separated(share: float) -> Separation:
-            return separation(*outlines(self.poses(share)[pair], *sizes))
-
-        apart, touching, found = 0.0, 1.0, separated(1.0)
-        if (at_begin := separated(0.0)).distance <= 0:
-            touching, found = 0.0, at_begin
-        elif found.distance > 0:
-            return contact
-        for _ in range(_BISECTIONS):
-            middle = (apart + touching) / 2
-            if (halfway := separated(middle)).distance <= 0:
-                touching, found = middle, halfway
-            else:
-                apart = middle
-        (x, y), (u, v) = found.point.tolist(), found.normal.tolist()
-        return replace(contact, time=begin + touching * (contact.raw_time - begin), point=(x, y), normal=(u, v))
-
-
 def _manifold(contact: pymunk.ContactPointSet, swapped: bool) -> tuple[tuple[_Vector, ...], _Vector, float]:
     """Contact points (m, the deepest first), normal from the lower to the higher bench, and depth (m)."""
     ordered = sorted(contact.points, key=lambda point: point.distance)
@@ -198,7 +156,8 @@ def _manifold(contact: pymunk.ContactPointSet, swapped: bool) -> tuple[tuple[_Ve
 def _apart(shapes: Iterable[pymunk.Shape]) -> bool:
     """Whether two rectangles of a space are apart."""
     first, second = (
-        # Pymunk types the body as optional, and corners as those of a polygon, which all shapes here are.
+        # Pymunk types the body as optional, and corners as those of a polygon, which all shapes
+        # here are.
         [shape.body.local_to_world(corner) for corner in shape.get_vertices()]  # type: ignore[union-attr]  # See above.
         for shape in shapes
     )

@@ -1,0 +1,101 @@
+"""The guide "rails": dancers keep every hole on the path."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import pymunk
+
+from pymunk_dragon._arguments import Array, Complex, as_vectors
+from pymunk_dragon.model.march import States
+from pymunk_dragon.physics.guide import GuidedWorld, PathGuide
+
+# m, from a hole to the point that its rail is pinned to. Any length does; one metre needs no
+# scaling of the normal.
+_PIN_LENGTH = 1.0
+
+
+class Rails(PathGuide):
+    """Path constraints for all rear holes, with forces of dancers that balance the ground drag.
+
+    A rail is a `PinJoint` from a bench's rear hole to an anchor one metre beside the path, on the
+    normal through the hole's foot on the curve. So the hole can move only along the path. The
+    anchor moves to the next normal before every step. The dancers' force along each bench, and
+    their torque, balance the drag on it at the speed and the angular rate that follow from bench to
+    bench, from the head on. The guide uses the path, the head's speed and the engine's positions,
+    but no exact positions of the chain: these are for the engine to find.
+    """
+
+    balances_drag = True
+
+    def attach(self, world: GuidedWorld) -> None:
+        """Create the anchors."""
+        self._world = world
+        self._curve = world.march.curve
+        spacings = world.march.dragon.spacings[1:]
+        self.anchors = [pymunk.Body(body_type=pymunk.Body.KINEMATIC) for _ in spacings]
+        self._inertia = np.array([world.masses[1:], world.moments[1:]])
+        self._over_spacings = 1 / spacings
+        # From the rear hole to the centre, along the bench, m; complex, as NumPy converts real
+        # factors at every call.
+        self._half = (spacings / 2).astype(complex)
+
+    def relocate(self, states: States) -> None:
+        """Take coordinates and speeds of the rear holes from `states`."""
+        # They only identify the turn of the curve on which each hole is. A jackknifed bench pushes
+        # its hole back.
+        self._rear_s = states.handles_s[0, 2:]
+        tangents = self._curve.tangent(self._rear_s)
+        self._rear_speeds = np.sum(states.velocities[0, 2:] * tangents, axis=-1)
+        # That of the step before.
+        self._last_motion: Array | None = None
+
+    def joints(self, bench: int, body: pymunk.Body) -> Sequence[pymunk.Constraint]:
+        """Pin from the rear hole to its anchor."""
+        hole = -float(self._half[bench - 1].real)
+        pin = pymunk.PinJoint(body, self.anchors[bench - 1], (hole, 0.0), (0.0, 0.0))
+        pin.distance = _PIN_LENGTH
+        return (pin,)
+
+    def update(self, poses: Array, hinge_velocity: Array, anchors: Array, forces: Array) -> None:
+        """Write the anchors beside the holes, and the dancers' forces and torques."""
+        substep = self._world.substep
+        headings = np.empty(len(self.anchors), dtype=complex)
+        np.cos(poses[1:, 2], out=headings.real)
+        np.sin(poses[1:, 2], out=headings.imag)
+        holes = _complex(poses[1:, :2]) - headings * self._half
+        expected = self._rear_s + self._rear_speeds * substep
+        self._rear_s, feet, directions = self._curve.foot(as_vectors(holes), expected)
+        tangents = _complex(directions)
+        np.add(tangents * (_PIN_LENGTH * 1j), _complex(feet), out=_complex(anchors))
+        motion = self._motion(complex(*hinge_velocity), headings, tangents)
+        # What a bench gains, or loses to the drag, in this substep.
+        last = motion if self._last_motion is None else self._last_motion
+        change = motion - last * math.exp(-self._world.drag_rate * substep)
+        push, torque = change * self._inertia / substep
+        np.multiply(headings, push, out=_complex(forces[1:, :2]))
+        forces[1:, 2] = torque
+        self._last_motion = motion
+
+    def _motion(self, hinge_velocity: complex, headings: Complex, tangents: Complex) -> Array:
+        """Speeds of the benches along themselves, m/s, and their angular rates, rad/s, (2, N - 1).
+
+        Each bench's front hole moves with the rear hole of the bench before, the first one's with
+        the head's, and its rear hole moves along the path.
+        """
+        facing = headings.conj()
+        front, rear = np.empty_like(facing), tangents * facing
+        front[0] = hinge_velocity * facing[0]
+        np.multiply(tangents[:-1], facing[1:], out=front[1:])
+        # As `velocity_ratios`, times the head's speed.
+        self._rear_speeds = np.multiply.accumulate(front.real / rear.real)
+        front[1:] *= self._rear_speeds[:-1]
+        across = front.imag - self._rear_speeds * rear.imag
+        return np.array([front.real, across * self._over_spacings])
+
+
+def _complex(vectors: Array) -> Complex:
+    """Vectors (N, 2) as complex numbers (N,) in the same memory, for one call of NumPy instead of two."""
+    return vectors.view(complex)[:, 0]
