@@ -28,8 +28,9 @@ from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.scenario import Scenario
 from pymunk_dragon.sweeps.axes import Axes, axes_of, base_values, given_values, reference_values
+from pymunk_dragon.sweeps.partial import PartialTable
 from pymunk_dragon.sweeps.quantities import Outcome, Quantity, Values, evaluate, quantity_of
-from pymunk_dragon.sweeps.table import Partial, Sweep, check_format
+from pymunk_dragon.sweeps.result import Sweep, check_format
 
 # Futures under way, at most: enough for so many workers, and few in memory.
 _UNDER_WAY = 256
@@ -106,7 +107,7 @@ def sweep(
         raise ParameterError("resume", resume, "absent without a file to write")
     files = [check_format(path, points) for path in paths]
     pool = _pool(executor, scheduler, workers)
-    with Partial(files, _description(chosen, points, base), points, resume=resume) as partial:
+    with PartialTable(files, _description(chosen, points, base), points, resume=resume) as partial:
         with pool as started:
             for rows in _outcomes(started, partial_of(evaluate, chosen.name, base), partial.missing()):
                 partial.append(rows)
