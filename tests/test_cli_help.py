@@ -13,7 +13,7 @@ from click.shell_completion import ShellComplete
 from conftest import assert_one_line, linux_only
 
 from pymunk_dragon import Dragon, March, Run
-from pymunk_dragon.cli import COMMANDS, PROGRAM, cli, command, common
+from pymunk_dragon.cli import COMMANDS, PROGRAM, cli, command, options, output
 
 
 @pytest.fixture
@@ -46,7 +46,7 @@ def test_help_fits_80_columns_and_has_examples_that_the_command_takes(call, monk
             command(name).make_context(name, arguments)
         if each not in ("", "report", "demo"):
             # The command's own options stand before those of the dragon.
-            flags = [f"  --{name.replace('_', '-')} " for name in common.SCENARIO_OPTIONS]
+            flags = [f"  --{name.replace('_', '-')} " for name in options.SCENARIO_OPTIONS]
             assert out.index(flags[0]) > max(out.index("  --scenario "), out.find("  --from "), out.find("  --json "))
             assert all(flag in out for flag in flags)
             assert COMMANDS[each] in " ".join(out.split())
@@ -71,10 +71,10 @@ def test_examples_of_the_help_run(call, late_run, name, here):
 
 @pytest.mark.thorough
 def test_time_left_leaves_out_what_comes_before_the_first_step(monkeypatch):
-    now, bars, made = [0.0], [], common.click.progressbar
+    now, bars, made = [0.0], [], output.click.progressbar
     monkeypatch.setattr("time.time", lambda: now[0])
     monkeypatch.setattr("click.progressbar", lambda **given: bars.append(made(**given)) or bars[0])
-    with common.progress("work") as show:
+    with output.progress("work") as show:
         for now[0], done in ((90.0, 1.0), (99.0, 10.0)):
             show(done, 100.0)
         assert bars[0].eta == pytest.approx(81.0)
@@ -216,7 +216,7 @@ def test_bad_input_is_named_in_one_line_and_nothing_is_written(call, complaint, 
     # The list of scenes is longer than another message may be.
     code, out, said = call("live", "nearmiss")
     assert (code, out, said.count("\n"), "'near-miss'" in said) == (2, "", 1, True)
-    for name in common.SCENARIO_OPTIONS:
+    for name in options.SCENARIO_OPTIONS:
         for value in ("nan", "-inf", "1e300", "abc", ""):
             said = complaint("positions", "--" + name.replace("_", "-"), value)
             assert name in said.replace("-", "_")
