@@ -61,7 +61,7 @@ def _serve(lessons: list[Lesson], address: dict[str, Any]) -> None:
 
     with progress("demo") as show:
         page = run_page(lessons, language(), show, live=True)
-    for each in [each for each in lessons if each.builds]:
+    for each in [each for each in lessons if each.builds_scene]:
         add(**each.scene())
     session = Session(ready(next((each.options["scene"] for each in lessons if "scene" in each.options), "dragon")))
     serve(session, None, None, front=page, **address)

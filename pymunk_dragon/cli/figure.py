@@ -32,7 +32,7 @@ def figure(name: str | None, run_file: str | None, output: str | None) -> None:
     from the options.
     """
     if name is None:
-        return print_list("figures", {known: kind.shows for known, kind in FIGURES.items()})
+        return print_list("figures", {known: each.shows for known, each in FIGURES.items()})
     source: Any = None
     if run_file is not None:
         source = load_run(run_file)

@@ -32,8 +32,8 @@ from pymunk_dragon.sweeps.partial import PartialTable
 from pymunk_dragon.sweeps.quantities import Outcome, Quantity, Values, evaluate, quantity_of
 from pymunk_dragon.sweeps.result import Sweep, check_format
 
-# Futures under way, at most: enough for so many workers, and few in memory.
-_UNDER_WAY = 256
+# Futures that are submitted and not finished, at most: enough for as many workers, and few in memory.
+_MAX_RUNNING = 256
 # Worker processes, at most (Windows waits for no more), and processors for this process, of which each gets one.
 _MAX_WORKERS = 61 if os.name == "nt" else 1000
 _CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else min(os.cpu_count() or 1, _MAX_WORKERS)
@@ -136,7 +136,7 @@ def _outcomes(pool: Executor, call: Callable[..., Outcome], points: Iterable[Any
             with signals_held():
                 running[future := pool.submit(call, at)] = number
                 future.add_done_callback(done.put)
-            if len(running) >= _UNDER_WAY:
+            if len(running) >= _MAX_RUNNING:
                 yield _finished(running, done)
         while running:
             yield _finished(running, done)
