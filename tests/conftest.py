@@ -179,7 +179,7 @@ NO_NUMBERS = [float("nan"), float("inf"), float("-inf"), 0, -1, 10**400, "1", ""
 
 
 # Three names or more in a message, as of curves or endings: the list grows with each new one.
-LISTED = re.compile(r"(?:[.a-z][\w.:-]*(?:,| or| and) ){2,}")
+LISTED = re.compile(r"(?:'?[.a-z][\w.:-]*'?(?:,| or| and) ){2,}")
 
 
 def assert_says(error, *words):

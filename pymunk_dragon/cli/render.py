@@ -28,9 +28,11 @@ from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.player import PLAYER_ENDINGS, write_player
 
+# Names of overlays by the names of their options' values.
+_OVERLAYS = {name.replace("-", "_"): name for name in OVERLAYS}
 # Options that only films have, and those that only films and pictures have.
 _OF_FILMS = ("start", "speedup", "fps", "hold")
-_OF_PICTURES = ("exact", "size", "follow", "span", "caption", "legend", *OVERLAYS)
+_OF_PICTURES = ("exact", "size", "follow", "span", "caption", "legend", *_OVERLAYS)
 _FORMATS = f"a film, {', '.join(FILM_ENDINGS)}; .png, a picture at --until; or .html, a page that plays the run"
 
 
@@ -81,7 +83,7 @@ def _write_film(sources: list[Run | March], path: Path, choices: dict[str, Any])
         _refuse("a picture", *_OF_FILMS)
     if isinstance(sources[0], March) and choices["until"] is None:
         choices["until"] = _end(sources[0], choices["start"] or 0.0)
-    overlays = tuple(name for name in OVERLAYS if choices.pop(name))
+    overlays = tuple(name for value, name in _OVERLAYS.items() if choices.pop(value))
     camera = Camera(follow=choices.pop("follow"), span=choices.pop("span"))
     given = {name: value for name, value in choices.items() if value is not None}
     with progress("render") as show:

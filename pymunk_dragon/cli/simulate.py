@@ -15,14 +15,14 @@ from pymunk_dragon.model.settings import EngineSettings
 
 _CONTACTS = ("stop", "report", "resolve")
 _RESPONSE = "At a contact end the run, only record it, or push the benches apart.  [stop]"
-_GUIDE = "The guide, which keeps the benches on the path.  [rails]"
+_GUIDE = f"The guide, which keeps the benches on the path: {', '.join(physics.GUIDES)}.  [rails]"
 
 
 @command("-o run.npz", "--from 400 --substep 0.0025 --iterations 60", "--guide none --until 20")
 @scenario_options
 @start_option
 @until_option
-@click.option("--guide", type=click.Choice(list(physics.GUIDES)), default="rails", help=_GUIDE)
+@click.option("--guide", type=click.Choice(list(physics.GUIDES)), default="rails", metavar="NAME", help=_GUIDE)
 @click.option("--contacts", type=click.Choice(_CONTACTS), default="stop", help=_RESPONSE)
 @click.option("--head-force", type=float, metavar="F", help="Largest force at contacts, N.  [twice the ground drag]")
 @click.option("--substep", type=float, metavar="T", help="Substep, s.  [20 mm of the head, or 5 mm to resolve]")
