@@ -174,7 +174,7 @@ class Case:
 @pytest.fixture
 def case(tmp_path, monkeypatch):
     # One point at a time, so that a row is written before the next point begins.
-    monkeypatch.setattr(sys.modules["pymunk_dragon.sweeps.sweep"], "_UNDER_WAY", 1)
+    monkeypatch.setattr(sys.modules["pymunk_dragon.sweeps.sweep"], "_MAX_RUNNING", 1)
     return Case(tmp_path)
 
 
