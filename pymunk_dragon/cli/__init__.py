@@ -51,7 +51,12 @@ _COMPLETE_VARIABLE = "_PYMUNK_DRAGON_COMPLETE"
 # Exit codes.
 _DONE, _FAILED, _BAD_INPUT, _INTERRUPTED = 0, 1, 2, 130
 # Errors of the user's input, or of the installation; others of the package are failures.
-_INPUT_ERRORS = (errors.ParameterError, errors.UnreachableError, errors.FileFormatError, errors.MissingExtraError)
+_INPUT_ERRORS = (
+    errors.ParameterError,
+    errors.UnreachableError,
+    errors.FileFormatError,
+    errors.MissingExtraError,
+)
 
 
 def command(name: str) -> click.Command:
@@ -61,7 +66,10 @@ def command(name: str) -> click.Command:
 
 
 class _LazyGroup(click.Group):
-    """A group whose commands are imported when they are run; lists need only their names and summaries."""
+    """A group whose commands are imported when they are run.
+
+    Lists of commands need only their names and summaries.
+    """
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]
@@ -79,7 +87,15 @@ class _LazyGroup(click.Group):
     cls=_LazyGroup,
     commands={name: click.Command(name, short_help=summary) for name, summary in COMMANDS.items()},
     context_settings={"help_option_names": ["-h", "--help"]},
-    epilog=epilog_of(("demo spiral", "contact", "simulate --from 400 -o run.npz", "render run.npz", "report run.npz")),
+    epilog=epilog_of(
+        (
+            "demo spiral",
+            "contact",
+            "simulate --from 400 -o run.npz",
+            "render run.npz",
+            "report run.npz",
+        )
+    ),
 )
 @click.version_option(__version__, "-V", "--version", prog_name=PROGRAM)
 def cli() -> None:
@@ -145,5 +161,8 @@ def _print_error(message: str, code: int, error: BaseException | None = None) ->
     if interruption_of(error):
         message, code = "interrupted", _INTERRUPTED
     with suppress(OSError):
-        click.echo(f"{PROGRAM}: {errors.one_line('; '.join([message, *getattr(error, '__notes__', ())]))}", err=True)
+        click.echo(
+            f"{PROGRAM}: {errors.one_line('; '.join([message, *getattr(error, '__notes__', ())]))}",
+            err=True,
+        )
     return code

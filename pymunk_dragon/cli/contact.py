@@ -7,7 +7,14 @@ from typing import Any
 
 import click
 
-from pymunk_dragon.cli.options import chosen_march, command, output_option, scenario_options, start_option, until_option
+from pymunk_dragon.cli.options import (
+    chosen_march,
+    command,
+    output_option,
+    scenario_options,
+    start_option,
+    until_option,
+)
 from pymunk_dragon.cli.output import destination_of, print_result, progress, write_result
 from pymunk_dragon.collision import first_contact, scan
 from pymunk_dragon.errors import DragonError
@@ -16,7 +23,12 @@ from pymunk_dragon.model.march import March
 
 @command("", "--pitch 0.5 --json", "--from 400 --method engine")
 @scenario_options
-@click.option("--method", type=click.Choice(["exact", "grid", "engine"]), default="exact", help="Search.  [exact]")
+@click.option(
+    "--method",
+    type=click.Choice(["exact", "grid", "engine"]),
+    default="exact",
+    help="Search.  [exact]",
+)
 @start_option
 @until_option
 @click.option("--step", type=float, metavar="T", help="Of the grid: s between samples.  [1]")
@@ -52,7 +64,13 @@ def _simulated(march: March, method: str, **interval: Any) -> tuple[dict[str, An
 
     run = simulate_with_progress(march, **interval)
     touch = {name: getattr(run.first_contact, name, None) for name in ("time", "benches", "point", "normal")}
-    values = {"status": run.outcome, **touch, "near_misses": None, "until": float(run.times[-1]), "resolution": None}
+    values = {
+        "status": run.outcome,
+        **touch,
+        "near_misses": None,
+        "until": float(run.times[-1]),
+        "resolution": None,
+    }
     return values | {"samples": run.substeps, "tests": None}, str(run).partition("\n")[0]
 
 

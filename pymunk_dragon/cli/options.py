@@ -40,7 +40,11 @@ SCENARIO_OPTIONS: dict[str, tuple[Any, str, str]] = {
     "overhang": (float, "M", "From a hole to the end of the bench, m.  [0.275]"),
     "width": (float, "M", "Width of the benches, m.  [0.3]"),
     "turns": (float, "X", "Turn of the spiral on which the head starts.  [16]"),
-    "speed": (_speed_or_file, "M/S|FILE.csv", "Speed of the head, m/s, or a file with times and speeds t,v.  [1]"),
+    "speed": (
+        _speed_or_file,
+        "M/S|FILE.csv",
+        "Speed of the head, m/s, or a file with times and speeds t,v.  [1]",
+    ),
 }
 
 
@@ -120,8 +124,19 @@ def option_group(*declared: Callable[[F], F]) -> Callable[[F], F]:
 # Options of commands that serve a page.
 address_options = option_group(
     click.option("--port", type=int, default=0, metavar="N", help="Port.  [a free one]"),
-    click.option("--host", default="127.0.0.1", metavar="ADDRESS", help="Address to listen on.  [this machine only]"),
-    click.option("--allow-host", "allow_hosts", multiple=True, metavar="NAME", help="Name of a proxy; repeatable."),
+    click.option(
+        "--host",
+        default="127.0.0.1",
+        metavar="ADDRESS",
+        help="Address to listen on.  [this machine only]",
+    ),
+    click.option(
+        "--allow-host",
+        "allow_hosts",
+        multiple=True,
+        metavar="NAME",
+        help="Name of a proxy; repeatable.",
+    ),
     click.option("--no-browser", "browser", flag_value=False, default=True, help="Do not open a browser."),
 )
 

@@ -23,7 +23,10 @@ _STEPS = 1000
 
 
 def destination_of(output: str | None, endings: Iterable[str]) -> Path | None:
-    """The file of the option -o, or None. Call it before the work: it raises an error if the file cannot be written."""
+    """The file of the option -o, or None.
+
+    To be called before the work: it raises an error if the file cannot be written.
+    """
     if output is None:
         return None
     path = check_destination(output, endings)
@@ -34,8 +37,12 @@ def destination_of(output: str | None, endings: Iterable[str]) -> Path | None:
 
 @contextmanager
 def progress(label: str, begin: float = 0.0) -> Iterator[Callable[[float, float], None]]:
-    """Progress bar on stderr if that is a terminal; yields `show(done, total)`, of numbers that start with `begin`."""
-    with click.progressbar(length=_STEPS, label=label, file=sys.stderr, hidden=not sys.stderr.isatty()) as bar:
+    """Progress bar on stderr if that is a terminal.
+
+    Yields `show(done, total)`, of numbers that start with `begin`.
+    """
+    hidden = not sys.stderr.isatty()
+    with click.progressbar(length=_STEPS, label=label, file=sys.stderr, hidden=hidden) as bar:
 
         def show(done: float, total: float) -> None:
             if not bar.pos:
@@ -59,7 +66,11 @@ def print_file_result(path: Path) -> None:
         print_result({"output": str(path), "bytes": path.stat().st_size})
 
 
-def write_result(path: Path | None, result: Mapping[str, Any], write: Callable[[Path], object] | None = None) -> None:
+def write_result(
+    path: Path | None,
+    result: Mapping[str, Any],
+    write: Callable[[Path], object] | None = None,
+) -> None:
     """Write a result to a file, if there is one: as JSON, or in another format by `write`."""
     if path is None:
         return

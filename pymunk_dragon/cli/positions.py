@@ -11,7 +11,14 @@ from typing import Any
 import click
 
 from pymunk_dragon._files import written_in_place
-from pymunk_dragon.cli.options import chosen_march, command, flags_given, number_list, output_option, scenario_options
+from pymunk_dragon.cli.options import (
+    chosen_march,
+    command,
+    flags_given,
+    number_list,
+    output_option,
+    scenario_options,
+)
 from pymunk_dragon.cli.output import destination_of, print_result, wants_json, write_result
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March
@@ -24,9 +31,18 @@ _MAX_TABLE = 20_000_000
 
 @command("", "--times 0,60,120 --handles 0,1,223", "--times 0:300:1 -o result1.xlsx")
 @scenario_options
-@click.option("--times", metavar="LIST", default=_TABLE_TIMES, help=f"Times, s: 0,60,120 or 0:300:1.  [{_TABLE_TIMES}]")
+@click.option(
+    "--times",
+    metavar="LIST",
+    default=_TABLE_TIMES,
+    help=f"Times, s: 0,60,120 or 0:300:1.  [{_TABLE_TIMES}]",
+)
 @click.option("--handles", metavar="LIST", help="Handles.  [those of the paper's tables]")
-@click.option("--paper", is_flag=True, help="Print the paper's tables 1 to 3 instead, cut as the paper cuts them.")
+@click.option(
+    "--paper",
+    is_flag=True,
+    help="Print the paper's tables 1 to 3 instead, cut as the paper cuts them.",
+)
 @output_option(".csv, .json, or .xlsx for the contest's sheets with all handles")
 def positions(times: str, handles: str | None, paper: bool, output: str | None) -> None:
     """Where the handles are and how fast, exactly."""

@@ -7,7 +7,14 @@ from typing import Any
 import click
 
 from pymunk_dragon import physics
-from pymunk_dragon.cli.options import chosen_march, command, output_option, scenario_options, start_option, until_option
+from pymunk_dragon.cli.options import (
+    chosen_march,
+    command,
+    output_option,
+    scenario_options,
+    start_option,
+    until_option,
+)
 from pymunk_dragon.cli.output import destination_of, print_result, progress, write_result
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
@@ -24,10 +31,30 @@ _GUIDE = f"The guide, which keeps the benches on the path: {', '.join(physics.GU
 @until_option
 @click.option("--guide", type=click.Choice(list(physics.GUIDES)), default="rails", metavar="NAME", help=_GUIDE)
 @click.option("--contacts", type=click.Choice(_CONTACTS), default="stop", help=_RESPONSE)
-@click.option("--head-force", type=float, metavar="F", help="Largest force at contacts, N.  [twice the ground drag]")
-@click.option("--substep", type=float, metavar="T", help="Substep, s.  [20 mm of the head, or 5 mm to resolve]")
-@click.option("--iterations", type=int, metavar="N", help="Solver iterations.  [10, or 60 if contacts are resolved]")
-@click.option("--frame-interval", type=float, metavar="T", help="Time between frames, s.  [until the head goes 0.1 m]")
+@click.option(
+    "--head-force",
+    type=float,
+    metavar="F",
+    help="Largest force at contacts, N.  [twice the ground drag]",
+)
+@click.option(
+    "--substep",
+    type=float,
+    metavar="T",
+    help="Substep, s.  [20 mm of the head, or 5 mm to resolve]",
+)
+@click.option(
+    "--iterations",
+    type=int,
+    metavar="N",
+    help="Solver iterations.  [10, or 60 if contacts are resolved]",
+)
+@click.option(
+    "--frame-interval",
+    type=float,
+    metavar="T",
+    help="Time between frames, s.  [until the head goes 0.1 m]",
+)
 @output_option(".npz, which keeps the run")
 def simulate(output: str | None, **choices: Any) -> None:
     """Play the march in Pymunk until the dragon runs into itself."""

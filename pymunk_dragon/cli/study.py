@@ -18,7 +18,13 @@ from pymunk_dragon.cli.options import (
     output_option,
     scenario_options,
 )
-from pymunk_dragon.cli.output import destination_of, print_list, print_result, progress, write_result
+from pymunk_dragon.cli.output import (
+    destination_of,
+    print_list,
+    print_result,
+    progress,
+    write_result,
+)
 from pymunk_dragon.model.scenario import Scenario
 from pymunk_dragon.studies import STUDIES
 

@@ -12,7 +12,14 @@ from typing import Any
 import click
 
 from pymunk_dragon import sweeps
-from pymunk_dragon.cli.options import command, file_values, json_option, number_list, option_values, scenario_options
+from pymunk_dragon.cli.options import (
+    command,
+    file_values,
+    json_option,
+    number_list,
+    option_values,
+    scenario_options,
+)
 from pymunk_dragon.cli.output import print_result, print_written, progress
 from pymunk_dragon.errors import DragonError, ParameterError
 
@@ -21,11 +28,18 @@ _QUANTITY = f"{', '.join(sweeps.QUANTITIES)}, or module:function, a function of 
 _OUTPUT = "File to write: .csv, or .png, .svg or .pdf for a picture. May be repeated."
 
 
-@command("--axis pitch=0.42:0.46:0.01 --benches 60", "--axis pitch=0.5:0.6:0.005 -o pitch.csv -o pitch.png")
+@command(
+    "--axis pitch=0.42:0.46:0.01 --benches 60",
+    "--axis pitch=0.5:0.6:0.005 -o pitch.csv -o pitch.png",
+)
 @scenario_options
 @click.option("--axis", multiple=True, required=True, metavar="NAME=VALUES", help=f"{_AXIS}; repeatable.")
 @click.option("--quantity", metavar="NAME", default="contact-time", help=_QUANTITY)
-@click.option("--resume", is_flag=True, help="Go on from the partial table of an interrupted sweep, if there is one.")
+@click.option(
+    "--resume",
+    is_flag=True,
+    help="Go on from the partial table of an interrupted sweep, if there is one.",
+)
 @click.option("--scheduler", metavar="ADDRESS", help="Run on a Dask scheduler, tcp://HOST:PORT.")
 @click.option("--workers", type=int, metavar="N", help="Number of processes.  [one for each core]")
 @json_option

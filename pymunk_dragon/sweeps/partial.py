@@ -1,7 +1,8 @@
-"""The partial table of a sweep: its finished points in a file, from which an interrupted sweep goes on.
+"""The partial table of a sweep: finished points in a file, from which an interrupted sweep goes on.
 
-Each line is JSON and, after a comma, its checksum. The first line describes the sweep; each other line has the number
-of a point, its values by name, and the reason why there are none. A line is complete with its end.
+Each line is JSON and, after a comma, its checksum. The first line describes the sweep; each other
+line has the number of a point, its values by name, and the reason why there are none. A line is
+complete with its end.
 """
 
 from __future__ import annotations
@@ -21,12 +22,20 @@ from pymunk_dragon.sweeps.quantities import Outcome
 
 
 class PartialTable:
-    """Outcomes of points by their numbers, `rows`, also in a file beside the first of `files` until this context ends.
+    """Outcomes of points by their numbers, `rows`.
 
-    `description` has all values that determine the outcomes. After an exception the file stays.
+    Until this context ends, they are also in a file beside the first of `files`; after an exception
+    the file stays. `description` has all values that determine the outcomes.
     """
 
-    def __init__(self, files: Sequence[Path], description: dict[str, Any], axes: Axes, *, resume: bool) -> None:
+    def __init__(
+        self,
+        files: Sequence[Path],
+        description: dict[str, Any],
+        axes: Axes,
+        *,
+        resume: bool,
+    ) -> None:
         self.axes = axes
         self.count = prod(map(len, axes.values()))
         self.rows: dict[int, Outcome] = {}
@@ -41,7 +50,8 @@ class PartialTable:
         """Take the rows from a file, and cut an unfinished last line off."""
         if not resume:
             table = str(path.with_suffix(""))
-            raise ParameterError("output", table, f"another table or one to resume: {path} has points of it")
+            bound = f"another table or one to resume: {path} has points of it"
+            raise ParameterError("output", table, bound)
         content = path.read_bytes()
         *lines, unfinished = content.split(b"\n")
         if not lines and not self._description.startswith(unfinished):
@@ -49,7 +59,8 @@ class PartialTable:
         values = [_decoded(path, line, number) for number, line in enumerate(lines, start=1)]
         if lines:
             if lines[0] != self._description[:-1]:
-                raise FileFormatError(path, "of another sweep: its axes, scenario, quantity, code or version differ")
+                reason = "of another sweep: its axes, scenario, quantity, code or version differ"
+                raise FileFormatError(path, reason)
             self._description = b""
         self.rows = {number: (outcome, error) for number, outcome, error in values[1:]}
         os.truncate(path, len(content) - len(unfinished))
@@ -61,7 +72,10 @@ class PartialTable:
                 yield number, dict(zip(self.axes, point, strict=True))
 
     def append(self, rows: Mapping[int, Outcome]) -> None:
-        """Add the outcomes of points; they are on the disk when this returns. May raise an `OutputError`."""
+        """Add the outcomes of points; they are on the disk when this returns.
+
+        Raises an `OutputError` if they cannot be written.
+        """
         if self.path is not None:
             lines = b"".join(_encoded([number, *outcome]) for number, outcome in rows.items())
             try:

@@ -80,7 +80,10 @@ class Sweep(Result):
         if destination.suffix.lower() != _TABLE:
             self.write_figure(destination)
             return
-        with written_in_place(destination) as draft, draft.open("w", encoding="utf-8", newline="\n") as file:
+        with (
+            written_in_place(destination) as draft,
+            draft.open("w", encoding="utf-8", newline="\n") as file,
+        ):
             file.writelines(f"{line}\n" for line in self.csv())
 
     def csv(self) -> list[str]:
@@ -94,7 +97,10 @@ class Sweep(Result):
         return {name: getattr(self, name) for name in ("points", "failed", "resumed", "seconds")}
 
     def _lines(self) -> list[str]:
-        points, names = text("{count} points of {quantity} over {names}"), text(" and ").join(self.names)
+        points, names = (
+            text("{count} points of {quantity} over {names}"),
+            text(" and ").join(self.names),
+        )
         counts = [points.format(count=self.points, quantity=self.quantity, names=names)]
         counts += [text("{count} resumed").format(count=self.resumed)] if self.resumed else []
         counts += [text("{count} failed").format(count=self.failed)] if self.failed else []
