@@ -178,11 +178,15 @@ def terminal():
 NO_NUMBERS = [float("nan"), float("inf"), float("-inf"), 0, -1, 10**400, "1", "", True, None, 1 + 0j, [1.0], np.eye(30)]
 
 
+# Three names or more in a message, as of curves or endings: the list grows with each new one.
+LISTED = re.compile(r"(?:'?[.a-z][\w.:-]*'?(?:,| or| and) ){2,}")
+
+
 def assert_says(error, *words):
-    """The message is one line of a bearable length and holds `words`."""
+    """The message is one line that holds `words`; but for lists of names, it has a bearable length."""
     message = str(error)
     assert message == " ".join(message.split())
-    assert len(message) < 250
+    assert len(LISTED.sub("", message)) < 250
     for word in words:
         assert word in message
 

@@ -16,7 +16,7 @@ from PIL import Image
 
 from pymunk_dragon import Dragon, March, Run, Scenario, render
 from pymunk_dragon.cli import render as command
-from pymunk_dragon.cli.common import SCENARIO_OPTIONS
+from pymunk_dragon.cli.options import SCENARIO_OPTIONS
 from pymunk_dragon.drawing.figures import FIGURES
 from pymunk_dragon.reports.contest_tables import paper_tables
 

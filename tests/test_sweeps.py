@@ -174,7 +174,7 @@ class Case:
 @pytest.fixture
 def case(tmp_path, monkeypatch):
     # One point at a time, so that a row is written before the next point begins.
-    monkeypatch.setattr(sys.modules["pymunk_dragon.sweeps.sweep"], "_UNDER_WAY", 1)
+    monkeypatch.setattr(sys.modules["pymunk_dragon.sweeps.sweep"], "_MAX_RUNNING", 1)
     return Case(tmp_path)
 
 
@@ -190,7 +190,7 @@ def test_full_disk_keeps_what_was_written(case, monkeypatch):
     def full(*given):
         raise OutputError("map.csv", "No space left on device")
 
-    for function, kept in (("os.fsync", 1), ("pymunk_dragon.sweeps.table.written_in_place", 6)):
+    for function, kept in (("os.fsync", 1), ("pymunk_dragon.sweeps.result.written_in_place", 6)):
         with monkeypatch.context() as other:
             other.setattr(function, full)
             with pytest.raises(OutputError, match="No space left"):

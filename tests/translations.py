@@ -47,7 +47,7 @@ def strings(node: ast.AST) -> set[str]:
 
 def script_texts(source: str) -> set[str]:
     """First arguments of all calls of `localized`."""
-    return {json.loads(re.sub(r'"\s*\+\s*"', "", found)) for found in LOCALIZED.findall(source)}
+    return {json.loads(re.sub(r'"\s*\+\s*"', "", found)) for found in LOCALIZED.findall(source) if found}
 
 
 def blocks(element: Tag) -> Iterator[str]:
@@ -76,7 +76,7 @@ wanted = set().union(*(strings(call.args[0]) for call in calls if getattr(call.f
 wanted = wanted.union(*(re.findall(r'\b(?:text|name|words)\("([^"]+)"\)', source) for source in sources(".j2")))
 wanted = wanted.union(*map(script_texts, sources(".js")))
 wanted = wanted.union(*(html_texts(page) for page in sources(".html") if "<body" in page))
-wanted |= {lesson.texts["Title"] for lesson in LESSONS.values() if lesson.builds}
+wanted |= {lesson.texts["Title"] for lesson in LESSONS.values() if lesson.builds_scene}
 wanted |= {words for scene in SCENES.values() for words in (scene.title, scene.text)}
 wanted |= {known.summary for known in (*STUDIES.values(), *QUANTITIES.values())}
 wanted |= {kind.shows for kind in FIGURES.values()}
@@ -85,7 +85,8 @@ wanted -= {"", "x (m)", "y (m)"}
 # Texts that are looked up by a variable: other strings of the code, and names of columns and parameters.
 names = {name for quantity in QUANTITIES.values() for name in quantity.parameters}.union(*map(strings, trees))
 others = names | {name.replace("_", mark) for name in names for mark in " -"}
-others = others.union(*(re.findall('"([^"\n]*)"', source.replace(r"\\", "\\")) for source in sources(".j2")))
+templates = [*sources(".j2"), *sources(".js")]
+others = others.union(*(re.findall('"([^"\n]*)"', source.replace(r"\\", "\\")) for source in templates))
 report("text", wanted | (others & set(texts("zh"))), texts("zh"))
 
 report("texts of lesson", LESSONS, _chinese())

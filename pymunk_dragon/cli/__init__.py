@@ -31,7 +31,7 @@ from click.shell_completion import shell_complete
 
 from pymunk_dragon import __version__, errors
 from pymunk_dragon._signals import interruption_of
-from pymunk_dragon.cli.common import PROGRAM, epilog_of
+from pymunk_dragon.cli.options import PROGRAM, epilog_of
 
 # The commands, in the order in which one uses them.
 COMMANDS = {
@@ -46,12 +46,17 @@ COMMANDS = {
     "demo": "Play a lesson.",
     "live": "Play the dragon in real time, and touch it in a browser.",
 }
-# Environment variable with which a shell demands completions, as Click names it.
+# Environment variable by which a shell requests completions, as Click names it.
 _COMPLETE_VARIABLE = "_PYMUNK_DRAGON_COMPLETE"
 # Exit codes.
 _DONE, _FAILED, _BAD_INPUT, _INTERRUPTED = 0, 1, 2, 130
 # Errors of the user's input, or of the installation; others of the package are failures.
-_INPUT_ERRORS = (errors.ParameterError, errors.UnreachableError, errors.FileFormatError, errors.MissingExtraError)
+_INPUT_ERRORS = (
+    errors.ParameterError,
+    errors.UnreachableError,
+    errors.FileFormatError,
+    errors.MissingExtraError,
+)
 
 
 def command(name: str) -> click.Command:
@@ -60,8 +65,11 @@ def command(name: str) -> click.Command:
     return found
 
 
-class _Program(click.Group):
-    """The program; its commands are imported when they are run, and in lists have their names and summaries only."""
+class _LazyGroup(click.Group):
+    """A group whose commands are imported when they are run.
+
+    Lists of commands need only their names and summaries.
+    """
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]
@@ -76,10 +84,18 @@ class _Program(click.Group):
 
 
 @click.group(
-    cls=_Program,
+    cls=_LazyGroup,
     commands={name: click.Command(name, short_help=summary) for name, summary in COMMANDS.items()},
     context_settings={"help_option_names": ["-h", "--help"]},
-    epilog=epilog_of(("demo spiral", "contact", "simulate --from 400 -o run.npz", "render run.npz", "report run.npz")),
+    epilog=epilog_of(
+        (
+            "demo spiral",
+            "contact",
+            "simulate --from 400 -o run.npz",
+            "render run.npz",
+            "report run.npz",
+        )
+    ),
 )
 @click.version_option(__version__, "-V", "--version", prog_name=PROGRAM)
 def cli() -> None:
@@ -92,18 +108,18 @@ def status(arguments: list[str] | None = None) -> int:
     try:
         return _run(sys.argv[1:] if arguments is None else arguments)
     except click.ClickException as error:
-        return _complain(error.format_message(), _BAD_INPUT)
+        return _print_error(error.format_message(), _BAD_INPUT)
     except (errors.DragonError, KeyboardInterrupt) as error:
-        return _complain(str(error), _BAD_INPUT if isinstance(error, _INPUT_ERRORS) else _FAILED, error)
+        return _print_error(str(error), _BAD_INPUT if isinstance(error, _INPUT_ERRORS) else _FAILED, error)
     except BrokenPipeError:
         # The reader of stdout has closed it, as `head` does.
         return _drop_output()
     except OSError as error:
         # Nearly always stdout: functions that read and write files raise errors of the package.
         _drop_output()
-        return _complain(f"cannot write the output: {error.strerror or error}", _FAILED)
+        return _print_error(f"cannot write the output: {error.strerror or error}", _FAILED)
     except MemoryError:
-        return _complain("not enough memory for a dragon of this size", _FAILED)
+        return _print_error("not enough memory for a dragon of this size", _FAILED)
 
 
 def _run(arguments: list[str]) -> int:
@@ -140,10 +156,13 @@ def _drop_output() -> int:
     return _FAILED
 
 
-def _complain(message: str, code: int, error: BaseException | None = None) -> int:
+def _print_error(message: str, code: int, error: BaseException | None = None) -> int:
     """Print a message and the notes of an error in one line, and return the exit code."""
     if interruption_of(error):
         message, code = "interrupted", _INTERRUPTED
     with suppress(OSError):
-        click.echo(f"{PROGRAM}: {errors.one_line('; '.join([message, *getattr(error, '__notes__', ())]))}", err=True)
+        click.echo(
+            f"{PROGRAM}: {errors.one_line('; '.join([message, *getattr(error, '__notes__', ())]))}",
+            err=True,
+        )
     return code

@@ -7,19 +7,32 @@ from typing import Any
 
 import click
 
-from pymunk_dragon.cli import common
+from pymunk_dragon.cli.options import (
+    chosen_march,
+    command,
+    output_option,
+    scenario_options,
+    start_option,
+    until_option,
+)
+from pymunk_dragon.cli.output import destination_of, print_result, progress, write_result
 from pymunk_dragon.collision import first_contact, scan
 from pymunk_dragon.errors import DragonError
 from pymunk_dragon.model.march import March
 
 
-@common.command("", "--pitch 0.5 --json", "--from 400 --method engine")
-@common.scenario_options
-@click.option("--method", type=click.Choice(["exact", "grid", "engine"]), default="exact", help="Search.  [exact]")
-@common.start_option
-@common.until_option
+@command("", "--pitch 0.5 --json", "--from 400 --method engine")
+@scenario_options
+@click.option(
+    "--method",
+    type=click.Choice(["exact", "grid", "engine"]),
+    default="exact",
+    help="Search.  [exact]",
+)
+@start_option
+@until_option
 @click.option("--step", type=float, metavar="T", help="Of the grid: s between samples.  [1]")
-@common.output_option(".json, or .xlsx for the contest's sheet of that moment")
+@output_option(".json, or .xlsx for the contest's sheet of that moment")
 def contact(method: str, output: str | None, **choices: Any) -> None:
     """When benches that are not neighbours first touch, and where.
 
@@ -29,29 +42,35 @@ def contact(method: str, output: str | None, **choices: Any) -> None:
     settings = {name: value for name, value in choices.items() if value is not None}
     if "step" in settings and method != "grid":
         raise click.UsageError("--step is of the grid: add --method grid")
-    march = common.march()
-    path = common.destination_of(output, (".json", ".xlsx"))
-    values, shown = (_played if method == "engine" else _found)(march, method, **settings)
+    march = chosen_march()
+    path = destination_of(output, (".json", ".xlsx"))
+    values, shown = (_simulated if method == "engine" else _searched)(march, method, **settings)
     result = {"status": values["status"], "method": method} | values
-    common.save(path, result, lambda path: _write_sheet(path, march, result))
-    common.answer(result, shown)
+    write_result(path, result, lambda path: _write_sheet(path, march, result))
+    print_result(result, shown)
 
 
-def _found(march: March, method: str, *, start: float, **settings: Any) -> tuple[dict[str, Any], str]:
+def _searched(march: March, method: str, *, start: float, **settings: Any) -> tuple[dict[str, Any], str]:
     """Values and text of the result of the exact search or the grid."""
     search = first_contact if method == "exact" else scan
-    with common.progress("contact", start) as show:
+    with progress("contact", start) as show:
         found = search(march, start=start, progress=show, **settings)
     return found.to_dict(), str(found)
 
 
-def _played(march: March, method: str, **interval: Any) -> tuple[dict[str, Any], str]:
-    """The same of the engine, which reports contacts only, not gaps."""
-    from pymunk_dragon.cli.simulate import played
+def _simulated(march: March, method: str, **interval: Any) -> tuple[dict[str, Any], str]:
+    """Values and text of the result of the engine, which reports contacts, but no gaps."""
+    from pymunk_dragon.cli.simulate import simulate_with_progress
 
-    run = played(march, **interval)
+    run = simulate_with_progress(march, **interval)
     touch = {name: getattr(run.first_contact, name, None) for name in ("time", "benches", "point", "normal")}
-    values = {"status": run.outcome, **touch, "near_misses": None, "until": float(run.times[-1]), "resolution": None}
+    values = {
+        "status": run.outcome,
+        **touch,
+        "near_misses": None,
+        "until": float(run.times[-1]),
+        "resolution": None,
+    }
     return values | {"samples": run.substeps, "tests": None}, str(run).partition("\n")[0]
 
 

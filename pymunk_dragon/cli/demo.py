@@ -9,36 +9,37 @@ import click
 from pymunk_dragon._extras import library
 from pymunk_dragon._files import check_destination
 from pymunk_dragon._language import language
-from pymunk_dragon.cli import common
+from pymunk_dragon.cli.options import address_options, command, flags_given, output_option
+from pymunk_dragon.cli.output import print_file_result, print_list, print_result, progress, wants_json
 from pymunk_dragon.lessons import LESSONS, Lesson, play, write_lessons
 from pymunk_dragon.lessons._framework.page import endings, run_page
 from pymunk_dragon.lessons._framework.recording import record
 
 
-@common.command("", "spiral", "chain --lang zh", "-o lessons.html", "--live")
+@command("", "spiral", "chain --lang zh", "-o lessons.html", "--live")
 @click.argument("name", metavar="[LESSON]", required=False, type=click.Choice(list(LESSONS)))
 @click.option("--save", metavar="DIR", type=click.Path(), help="Folder for the picture.  [a temporary one]")
 @click.option("--live", is_flag=True, help="Show the lessons on a page whose experiments with Pymunk are live.")
-@common.address_options
-@common.output_option(".html, a page of the lesson, or of all; .ipynb, its notebook; .py, its program")
+@address_options
+@output_option(".html, a page of the lesson, or of all; .ipynb, its notebook; .py, its program")
 def demo(name: str | None, save: str | None, output: str | None, live: bool, **address: Any) -> None:
     """Play a lesson.
 
     Without a name, list them. Each has a question, a guess, an experiment, the answer and a number to check.
     """
     lessons = list(LESSONS.values()) if name is None else [LESSONS[name]]
-    _refuse_combinations(name, {*common.flags_given("save", "output", "live", "json", *address)})
+    _refuse_combinations(name, {*flags_given("save", "output", "live", "json", *address)})
     if live:
         _serve(lessons, address)
     elif output is not None:
         destination = check_destination(output, endings(lessons))
-        with common.progress("demo") as show:
+        with progress("demo") as show:
             write_lessons(lessons, destination, language=language(), progress=show)
-        common.answer_with_file(destination)
+        print_file_result(destination)
     elif name is None:
-        common.listing("lessons", {each.name: each.sections(language())["Title"] for each in lessons})
-    elif common.wants_json():
-        common.answer({"printed": record(LESSONS[name]).printed})
+        print_list("lessons", {each.name: each.sections(language())["Title"] for each in lessons})
+    elif wants_json():
+        print_result({"printed": record(LESSONS[name]).printed})
     else:
         play(LESSONS[name], save, language=language())
 
@@ -58,9 +59,9 @@ def _serve(lessons: list[Lesson], address: dict[str, Any]) -> None:
     from pymunk_dragon.sessions.ready import add, ready
     from pymunk_dragon.sessions.session import Session
 
-    with common.progress("demo") as show:
+    with progress("demo") as show:
         page = run_page(lessons, language(), show, live=True)
-    for each in [each for each in lessons if each.builds]:
+    for each in [each for each in lessons if each.builds_scene]:
         add(**each.scene())
     session = Session(ready(next((each.options["scene"] for each in lessons if "scene" in each.options), "dragon")))
     serve(session, None, None, front=page, **address)

@@ -7,15 +7,24 @@ from typing import Any
 
 import click
 
-from pymunk_dragon.cli import common
+from pymunk_dragon.cli.options import (
+    chosen_march,
+    command,
+    file_values,
+    load_run,
+    option_values,
+    output_option,
+    scenario_options,
+)
+from pymunk_dragon.cli.output import print_file_result, print_list
 from pymunk_dragon.drawing.figures import FIGURES, write_figure
 
 
-@common.command("", "gap --pitch 0.5", "drift run.npz -o drift.pdf")
+@command("", "gap --pitch 0.5", "drift run.npz -o drift.pdf")
 @click.argument("name", metavar="[FIGURE]", required=False, type=click.Choice(list(FIGURES)))
 @click.argument("run_file", metavar="[RUN.npz]", required=False, type=click.Path())
-@common.scenario_options
-@common.output_option(".png, or .svg or .pdf where the figure has axes", "NAME.png")
+@scenario_options
+@output_option(".png, or .svg or .pdf where the figure has axes", "NAME.png")
 def figure(name: str | None, run_file: str | None, output: str | None) -> None:
     """Draw one of the paper's figures, or one beyond it.
 
@@ -23,12 +32,12 @@ def figure(name: str | None, run_file: str | None, output: str | None) -> None:
     from the options.
     """
     if name is None:
-        return common.listing("figures", {known: kind.shows for known, kind in FIGURES.items()})
+        return print_list("figures", {known: each.shows for known, each in FIGURES.items()})
     source: Any = None
     if run_file is not None:
-        source = common.run_of(run_file)
-    elif common.file_values() or common.chosen():
-        source = common.march()
+        source = load_run(run_file)
+    elif file_values() or option_values():
+        source = chosen_march()
     path = Path(output or f"{name}.png")
     write_figure(name, path, source)
-    return common.answer_with_file(path)
+    return print_file_result(path)

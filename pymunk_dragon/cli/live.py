@@ -11,35 +11,44 @@ import click
 
 from pymunk_dragon._extras import library
 from pymunk_dragon._language import text
-from pymunk_dragon.cli import common
+from pymunk_dragon.cli.options import (
+    address_options,
+    chosen_march,
+    command,
+    flags_given,
+    option_values,
+    scenario_options,
+    start_option,
+)
+from pymunk_dragon.cli.output import destination_of, write_result
 from pymunk_dragon.sessions.handle import Live
 from pymunk_dragon.sessions.ready import SCENES, dragon, planned, ready
 from pymunk_dragon.sessions.session import Log, Session, load_log
 
 
-@common.command("", "near-miss", "--benches 60 --from 300 -o live.json", "--replay live.json --exit")
+@command("", "near-miss", "--benches 60 --from 300 -o live.json", "--replay live.json --exit")
 @click.argument("scene", metavar="[SCENE]", required=False, type=click.Choice(list(SCENES)))
-@common.scenario_options
-@common.start_option
+@scenario_options
+@start_option
 @click.option("--replay", metavar="FILE", type=click.Path(), help="Play a recording again, .json.")
 @click.option("--exit", "ends", is_flag=True, help="Play the recording without a page, as fast as possible, and exit.")
 @click.option("-o", "--record", "output", metavar="FILE", type=click.Path(), help="File .json for the inputs.")
-@common.address_options
+@address_options
 def live(scene: str | None, start: float, replay: str | None, ends: bool, output: str | None, **address: Any) -> None:
     """Play the dragon in real time, and touch it in a browser. A scene has its own dragon."""
-    own = common.flags_given("scenario", *common.chosen(), "start")
+    own = flags_given("scenario", *option_values(), "start")
     if sum(map(bool, (scene, own, replay))) > 1:
         raise click.UsageError("a ready scene and a recording have their own dragon: leave out the other options")
     if ends and replay is None:
         raise click.UsageError("--exit ends a replay: give a recording with --replay")
     if not ends:
         library("aiohttp")
-    path = common.destination_of(output, [".json"])
+    path = destination_of(output, [".json"])
     log = None if replay is None else load_log(replay)
     if log is not None:
         source = planned(log["plan"])
     else:
-        source = dragon(common.march(), start=start) if own else ready(scene or "dragon")
+        source = dragon(chosen_march(), start=start) if own else ready(scene or "dragon")
     session = Session(source, log=log)
     (_replay_at_once if ends else serve)(session, log, path, **address)
 
@@ -58,7 +67,7 @@ def serve(session: Session, log: Log | None, path: Path | None, **address: Any) 
     finally:
         running.stop()
         if path is not None:
-            common.save(path, session.log())
+            write_result(path, session.log())
 
 
 def _replay_at_once(session: Session, log: Log | None, path: Path | None, **_: Any) -> None:
@@ -70,7 +79,7 @@ def _replay_at_once(session: Session, log: Log | None, path: Path | None, **_: A
     finally:
         session.stop()
     if path is not None:
-        common.save(path, session.log())
+        write_result(path, session.log())
 
 
 def _wait_for_replay(session: Session, log: Log | None) -> None:

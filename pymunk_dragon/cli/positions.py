@@ -11,7 +11,15 @@ from typing import Any
 import click
 
 from pymunk_dragon._files import written_in_place
-from pymunk_dragon.cli import common
+from pymunk_dragon.cli.options import (
+    chosen_march,
+    command,
+    flags_given,
+    number_list,
+    output_option,
+    scenario_options,
+)
+from pymunk_dragon.cli.output import destination_of, print_result, wants_json, write_result
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March
 
@@ -21,18 +29,27 @@ _TABLE_TIMES = "0:300:60"
 _MAX_TABLE = 20_000_000
 
 
-@common.command("", "--times 0,60,120 --handles 0,1,223", "--times 0:300:1 -o result1.xlsx")
-@common.scenario_options
-@click.option("--times", metavar="LIST", default=_TABLE_TIMES, help=f"Times, s: 0,60,120 or 0:300:1.  [{_TABLE_TIMES}]")
+@command("", "--times 0,60,120 --handles 0,1,223", "--times 0:300:1 -o result1.xlsx")
+@scenario_options
+@click.option(
+    "--times",
+    metavar="LIST",
+    default=_TABLE_TIMES,
+    help=f"Times, s: 0,60,120 or 0:300:1.  [{_TABLE_TIMES}]",
+)
 @click.option("--handles", metavar="LIST", help="Handles.  [those of the paper's tables]")
-@click.option("--paper", is_flag=True, help="Print the paper's tables 1 to 3 instead, cut as the paper cuts them.")
-@common.output_option(".csv, .json, or .xlsx for the contest's sheets with all handles")
+@click.option(
+    "--paper",
+    is_flag=True,
+    help="Print the paper's tables 1 to 3 instead, cut as the paper cuts them.",
+)
+@output_option(".csv, .json, or .xlsx for the contest's sheets with all handles")
 def positions(times: str, handles: str | None, paper: bool, output: str | None) -> None:
     """Where the handles are and how fast, exactly."""
-    march = common.march()
+    march = chosen_march()
     if not paper:
         _answer(march, times, handles, output)
-    elif common.flags_given("times", "handles", "json", "output"):
+    elif flags_given("times", "handles", "json", "output"):
         raise click.UsageError("--paper prints all of its tables: leave out --times, --handles, --json and -o")
     else:
         from pymunk_dragon.collision import first_contact
@@ -46,17 +63,17 @@ def positions(times: str, handles: str | None, paper: bool, output: str | None) 
 def _answer(march: March, times: str, handles: str | None, output: str | None) -> None:
     """Print or write states of handles."""
     selected = march.dragon.representatives if handles is None else _handles(handles, march.dragon.handles - 1)
-    at = common.number_list("times", times)
+    at = number_list("times", times)
     if len(at) * march.dragon.handles > _MAX_TABLE:
         raise ParameterError("times", times, f"at most {_MAX_TABLE // march.dragon.handles} for this dragon")
-    path = common.destination_of(output, (".csv", ".json", ".xlsx"))
+    path = destination_of(output, (".csv", ".json", ".xlsx"))
     if handles is not None and path is not None and path.suffix.lower() == ".xlsx":
         raise click.UsageError("the contest's sheets have all handles: leave out --handles, or write .csv or .json")
     states = march.at(at)
     result = states.to_dict(selected)
-    common.save(path, result, lambda path: _write(path, march, at, states.rows(selected)))
-    if path is None or common.wants_json():
-        common.answer(result, states.text(selected))
+    write_result(path, result, lambda path: _write(path, march, at, states.rows(selected)))
+    if path is None or wants_json():
+        print_result(result, states.text(selected))
 
 
 def _write(path: Path, march: March, times: list[float], rows: Iterable[Sequence[Any]]) -> None:
@@ -71,7 +88,7 @@ def _write(path: Path, march: March, times: list[float], rows: Iterable[Sequence
 
 
 def _handles(given: str, last: int) -> list[int]:
-    numbers = common.number_list("handles", given)
+    numbers = number_list("handles", given)
     if not all(number.is_integer() and 0 <= number <= last for number in numbers):
         raise ParameterError("handles", given, f"whole numbers from 0 to {last}")
     return [int(number) for number in numbers]

@@ -10,7 +10,16 @@ import click
 
 from pymunk_dragon._files import check_destination
 from pymunk_dragon._language import text
-from pymunk_dragon.cli import common
+from pymunk_dragon.cli.options import (
+    chosen_march,
+    command,
+    flags_given,
+    load_run,
+    option_group,
+    output_option,
+    scenario_options,
+)
+from pymunk_dragon.cli.output import print_file_result, progress
 from pymunk_dragon.collision import first_contact
 from pymunk_dragon.drawing import FILM_ENDINGS, OVERLAYS, STILL_ENDINGS, Camera, Film
 from pymunk_dragon.drawing import render as render_film
@@ -19,9 +28,11 @@ from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.player import PLAYER_ENDINGS, write_player
 
+# Names of overlays by the names of their options' values.
+_OVERLAYS = {name.replace("-", "_"): name for name in OVERLAYS}
 # Options that only films have, and those that only films and pictures have.
 _OF_FILMS = ("start", "speedup", "fps", "hold")
-_OF_PICTURES = ("exact", "size", "follow", "span", "caption", "legend", *OVERLAYS)
+_OF_PICTURES = ("exact", "size", "follow", "span", "caption", "legend", *_OVERLAYS)
 _FORMATS = f"a film, {', '.join(FILM_ENDINGS)}; .png, a picture at --until; or .html, a page that plays the run"
 
 
@@ -34,9 +45,9 @@ def _pixels(given: str) -> int | tuple[int, ...]:
     return (width, *height) if height else width
 
 
-@common.command("run.npz", "run.npz --exact --camera head -o both.mp4", "--until 60 -o march.gif")
+@command("run.npz", "run.npz --exact --camera head -o both.mp4", "--until 60 -o march.gif")
 @click.argument("run_files", metavar="[RUN.npz]...", nargs=-1, type=click.Path())
-@common.scenario_options
+@scenario_options
 @click.option("--exact", is_flag=True, help="Show the exact model beside the run.")
 @click.option("--from", "start", type=float, metavar="T", help="First time, s.  [such that a film takes 11 s]")
 @click.option("--until", type=float, metavar="T", help="Last time, s.  [the run's, or a march's first contact]")
@@ -46,11 +57,11 @@ def _pixels(given: str) -> int | tuple[int, ...]:
 @click.option("--camera", "follow", type=click.Choice(["field", "head"]), default="field", help="The view.  [field]")
 @click.option("--span", type=float, metavar="M", help="Width of the ground in view, m.")
 @click.option("--hold", type=float, metavar="T", help="How long the last frame stays, s.  [2.5]")
-@common.options(*(click.option(f"--{name}", is_flag=True, help=each.shows) for name, each in OVERLAYS.items()))
+@option_group(*(click.option(f"--{name}", is_flag=True, help=each.shows) for name, each in OVERLAYS.items()))
 @click.option("--title", metavar="TEXT", help="A line above the picture.")
 @click.option("--caption", metavar="TEXT", help="Lines below the picture.")
 @click.option("--legend/--no-legend", default=None, help="Legend and scale bar below the picture.  [shown]")
-@common.output_option(_FORMATS, "RUN.gif")
+@output_option(_FORMATS, "RUN.gif")
 def render(run_files: tuple[str, ...], output: str | None, exact: bool, **choices: Any) -> None:
     """Film a run, several side by side, or an exact march.
 
@@ -63,7 +74,7 @@ def render(run_files: tuple[str, ...], output: str | None, exact: bool, **choice
         _write_page(sources, path, choices["title"])
     else:
         _write_film(sources, path, choices)
-    common.answer_with_file(path)
+    print_file_result(path)
 
 
 def _write_film(sources: list[Run | March], path: Path, choices: dict[str, Any]) -> None:
@@ -72,10 +83,10 @@ def _write_film(sources: list[Run | March], path: Path, choices: dict[str, Any])
         _refuse("a picture", *_OF_FILMS)
     if isinstance(sources[0], March) and choices["until"] is None:
         choices["until"] = _end(sources[0], choices["start"] or 0.0)
-    overlays = tuple(name for name in OVERLAYS if choices.pop(name))
+    overlays = tuple(name for value, name in _OVERLAYS.items() if choices.pop(value))
     camera = Camera(follow=choices.pop("follow"), span=choices.pop("span"))
     given = {name: value for name, value in choices.items() if value is not None}
-    with common.progress("render") as show:
+    with progress("render") as show:
         film = Film(camera=camera, show=overlays, **given)
         try:
             timing = render_film(sources, path, film, show)
@@ -104,8 +115,8 @@ def _sources(run_files: tuple[str, ...], exact: bool) -> list[Run | March]:
     if not run_files:
         if exact:
             raise click.UsageError("--exact needs a run: name one, or leave it out")
-        return [common.march()]
-    runs = [common.run_of(file) for file in run_files]
+        return [chosen_march()]
+    runs = [load_run(file) for file in run_files]
     return [*runs, runs[0].march] if exact else [*runs]
 
 
@@ -120,5 +131,5 @@ def _end(march: March, start: float) -> float:
 
 def _refuse(what: str, *names: str) -> None:
     """Raise a usage error if an option was given that `what` does not have."""
-    for flag in common.flags_given(*names):
+    for flag in flags_given(*names):
         raise click.UsageError(f"{what} has no {flag}: leave it out, or write a film")

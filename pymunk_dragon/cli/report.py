@@ -8,15 +8,16 @@ import click
 
 from pymunk_dragon import reports
 from pymunk_dragon._files import check_destination
-from pymunk_dragon.cli import common
+from pymunk_dragon.cli.options import command, output_option
+from pymunk_dragon.cli.output import print_file_result
 from pymunk_dragon.model.run import Run
 
 
-@common.command("run.npz", "run.npz -o run.md")
+@command("run.npz", "run.npz -o run.md")
 @click.argument("run_file", metavar="RUN.npz", type=click.Path())
-@common.output_option(", ".join(reports.FORMATS), "RUN.html")
+@output_option(", ".join(reports.FORMATS), "RUN.html")
 def report(run_file: str, output: str | None) -> None:
     """Report on a run, as a document or a table."""
     destination = check_destination(output or f"{Path(run_file).stem}.html", reports.FORMATS)
     reports.report(Run.load(run_file), destination)
-    common.answer_with_file(destination)
+    print_file_result(destination)

@@ -6,41 +6,68 @@ from typing import Any
 
 import click
 
-from pymunk_dragon.cli import common
+from pymunk_dragon import physics
+from pymunk_dragon.cli.options import (
+    chosen_march,
+    command,
+    output_option,
+    scenario_options,
+    start_option,
+    until_option,
+)
+from pymunk_dragon.cli.output import destination_of, print_result, progress, write_result
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.model.settings import EngineSettings
-from pymunk_dragon.physics import GUIDES
-from pymunk_dragon.physics import simulate as play
 
 _CONTACTS = ("stop", "report", "resolve")
 _RESPONSE = "At a contact end the run, only record it, or push the benches apart.  [stop]"
-_GUIDE = "What keeps the benches on the path: dancers, or nothing.  [rails]"
+_GUIDE = f"The guide, which keeps the benches on the path: {', '.join(physics.GUIDES)}.  [rails]"
 
 
-@common.command("-o run.npz", "--from 400 --substep 0.0025 --iterations 60", "--guide none --until 20")
-@common.scenario_options
-@common.start_option
-@common.until_option
-@click.option("--guide", type=click.Choice(list(GUIDES)), default="rails", help=_GUIDE)
+@command("-o run.npz", "--from 400 --substep 0.0025 --iterations 60", "--guide none --until 20")
+@scenario_options
+@start_option
+@until_option
+@click.option("--guide", type=click.Choice(list(physics.GUIDES)), default="rails", metavar="NAME", help=_GUIDE)
 @click.option("--contacts", type=click.Choice(_CONTACTS), default="stop", help=_RESPONSE)
-@click.option("--head-force", type=float, metavar="F", help="Largest force at contacts, N.  [twice the ground drag]")
-@click.option("--substep", type=float, metavar="T", help="Substep, s.  [20 mm of the head, or 5 mm to resolve]")
-@click.option("--iterations", type=int, metavar="N", help="Solver iterations.  [10, or 60 if contacts are resolved]")
-@click.option("--frame-interval", type=float, metavar="T", help="Time between frames, s.  [until the head goes 0.1 m]")
-@common.output_option(".npz, which keeps the run")
+@click.option(
+    "--head-force",
+    type=float,
+    metavar="F",
+    help="Largest force at contacts, N.  [twice the ground drag]",
+)
+@click.option(
+    "--substep",
+    type=float,
+    metavar="T",
+    help="Substep, s.  [20 mm of the head, or 5 mm to resolve]",
+)
+@click.option(
+    "--iterations",
+    type=int,
+    metavar="N",
+    help="Solver iterations.  [10, or 60 if contacts are resolved]",
+)
+@click.option(
+    "--frame-interval",
+    type=float,
+    metavar="T",
+    help="Time between frames, s.  [until the head goes 0.1 m]",
+)
+@output_option(".npz, which keeps the run")
 def simulate(output: str | None, **choices: Any) -> None:
     """Play the march in Pymunk until the dragon runs into itself."""
-    march = common.march()
-    path = common.destination_of(output, (".npz",))
+    march = chosen_march()
+    path = destination_of(output, (".npz",))
     interval = {name: choices.pop(name) for name in ("start", "until", "guide")}
-    run = played(march, settings=EngineSettings(**choices), **interval)
+    run = simulate_with_progress(march, settings=EngineSettings(**choices), **interval)
     found = run.to_dict()
-    common.save(path, found, run.save)
-    common.answer(found, run)
+    write_result(path, found, run.save)
+    print_result(found, run)
 
 
-def played(march: March, *, start: float, **how: Any) -> Run:
+def simulate_with_progress(march: March, *, start: float, **how: Any) -> Run:
     """Play `march` in Pymunk, with progress."""
-    with common.progress("simulate", start) as show:
-        return play(march, start=start, progress=show, **how)
+    with progress("simulate", start) as show:
+        return physics.simulate(march, start=start, progress=show, **how)

@@ -9,12 +9,27 @@ from typing import Any
 
 import click
 
-from pymunk_dragon.cli import common
+from pymunk_dragon.cli.options import (
+    F,
+    command,
+    file_values,
+    option_group,
+    option_values,
+    output_option,
+    scenario_options,
+)
+from pymunk_dragon.cli.output import (
+    destination_of,
+    print_list,
+    print_result,
+    progress,
+    write_result,
+)
 from pymunk_dragon.model.scenario import Scenario
 from pymunk_dragon.studies import STUDIES
 
 
-def _options() -> Iterator[Callable[[common.F], common.F]]:
+def _options() -> Iterator[Callable[[F], F]]:
     """The options of single studies."""
     for study in STUDIES.values():
         for name, (metavar, words) in study.flags.items():
@@ -24,11 +39,11 @@ def _options() -> Iterator[Callable[[common.F], common.F]]:
             yield click.option(flags, name, type=kind, metavar=metavar, default=None, help=about)
 
 
-@common.command("", "min-pitch", "u-turn -o turn.png", "max-speed --limit 1.5")
+@command("", "min-pitch", "u-turn -o turn.png", "max-speed --limit 1.5")
 @click.argument("name", metavar="[STUDY]", required=False, type=click.Choice(list(STUDIES)))
-@common.scenario_options
-@common.options(*_options())
-@common.output_option(".json, .png, .svg or .pdf for a picture of the answer, or .xlsx for sheets of the contest")
+@scenario_options
+@option_group(*_options())
+@output_option(".json, .png, .svg or .pdf for a picture of the answer, or .xlsx for sheets of the contest")
 def study(name: str | None, output: str | None, **options: float | bool | None) -> None:
     """Run a study of many marches.
 
@@ -36,24 +51,24 @@ def study(name: str | None, output: str | None, **options: float | bool | None) 
     the others, as the pitch where it is the result. The radius is that of the circle to which the head marches.
     """
     if name is None:
-        return common.listing("studies", {each.name: each.summary for each in STUDIES.values()})
+        return print_list("studies", {each.name: each.summary for each in STUDIES.values()})
     values = _values(name, options)
-    path = common.destination_of(output, STUDIES[name].formats)
-    with common.progress("study") as show:
+    path = destination_of(output, STUDIES[name].formats)
+    with progress("study") as show:
         found = STUDIES[name].answer(values, show)
     result = found.to_dict()
-    common.save(path, result, lambda path: _write(found, path))
-    return common.answer(result, found)
+    write_result(path, result, lambda path: _write(found, path))
+    return print_result(result, found)
 
 
 def _values(name: str, options: dict[str, Any]) -> dict[str, Any]:
     """The values of a study's parameters that a scenario file has, and those of options, which win."""
     values: dict[str, Any] = {}
-    if in_file := common.file_values():
+    if in_file := file_values():
         # The whole file is checked, also the values that the study does not take.
         known = Scenario.from_dict(in_file).values()
         values = {given: known.get(given) for given in STUDIES[name].parameters}
-    values |= common.chosen() | options
+    values |= option_values() | options
     if isinstance(values.get("speed"), str | tuple):
         values["speed"] = Scenario(speed=values["speed"]).march().speed
     return {given: value for given, value in values.items() if value is not None}

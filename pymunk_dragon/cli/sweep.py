@@ -12,7 +12,15 @@ from typing import Any
 import click
 
 from pymunk_dragon import sweeps
-from pymunk_dragon.cli import common
+from pymunk_dragon.cli.options import (
+    command,
+    file_values,
+    json_option,
+    number_list,
+    option_values,
+    scenario_options,
+)
+from pymunk_dragon.cli.output import print_result, print_written, progress
 from pymunk_dragon.errors import DragonError, ParameterError
 
 _AXIS = "NAME=VALUES, such as pitch=0.4:0.8:0.01 or benches=50,100"
@@ -20,14 +28,21 @@ _QUANTITY = f"{', '.join(sweeps.QUANTITIES)}, or module:function, a function of 
 _OUTPUT = "File to write: .csv, or .png, .svg or .pdf for a picture. May be repeated."
 
 
-@common.command("--axis pitch=0.42:0.46:0.01 --benches 60", "--axis pitch=0.5:0.6:0.005 -o pitch.csv -o pitch.png")
-@common.scenario_options
+@command(
+    "--axis pitch=0.42:0.46:0.01 --benches 60",
+    "--axis pitch=0.5:0.6:0.005 -o pitch.csv -o pitch.png",
+)
+@scenario_options
 @click.option("--axis", multiple=True, required=True, metavar="NAME=VALUES", help=f"{_AXIS}; repeatable.")
 @click.option("--quantity", metavar="NAME", default="contact-time", help=_QUANTITY)
-@click.option("--resume", is_flag=True, help="Go on from the partial table of an interrupted sweep, if there is one.")
+@click.option(
+    "--resume",
+    is_flag=True,
+    help="Go on from the partial table of an interrupted sweep, if there is one.",
+)
 @click.option("--scheduler", metavar="ADDRESS", help="Run on a Dask scheduler, tcp://HOST:PORT.")
 @click.option("--workers", type=int, metavar="N", help="Number of processes.  [one for each core]")
-@common.json_option
+@json_option
 @click.option("-o", "--output", multiple=True, metavar="FILE", type=click.Path(), help=_OUTPUT)
 def sweep(axis: tuple[str, ...], output: tuple[str, ...], **settings: Any) -> None:
     """Compute a quantity at many values of parameters, in parallel.
@@ -40,12 +55,12 @@ def sweep(axis: tuple[str, ...], output: tuple[str, ...], **settings: Any) -> No
     # A module of the user's, which other programs would find as well.
     sys.path.append(os.getcwd())
     # What a quantity prints is not part of a table on stdout.
-    with common.progress("sweep") as show, redirect_stdout(sys.stderr):
-        scenario = common.file_values() | common.chosen()
+    with progress("sweep") as show, redirect_stdout(sys.stderr):
+        scenario = file_values() | option_values()
         found = sweeps.sweep(scenario, _axes(axis), out=output, progress=show, **settings)
     for file in output:
-        common.wrote(Path(file))
-    common.answer(found.to_dict(), found if output else "\n".join(found.csv()))
+        print_written(Path(file))
+    print_result(found.to_dict(), found if output else "\n".join(found.csv()))
     if found.failed:
         raise DragonError(f"{found.failed} of {found.points} points failed; the column error has the reasons")
 
@@ -56,7 +71,7 @@ def _axes(given: tuple[str, ...]) -> dict[str, list[float]]:
     for each in given:
         name, _, values = each.partition("=")
         try:
-            axes.setdefault(name.strip().replace("-", "_"), []).extend(common.number_list("axis", values))
+            axes.setdefault(name.strip().replace("-", "_"), []).extend(number_list("axis", values))
         except ParameterError as error:
             raise ParameterError("axis", each, _AXIS) from error
     return axes

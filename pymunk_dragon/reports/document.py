@@ -15,7 +15,7 @@ from pymunk_dragon.reports.summary import VERSION, Summary, json_values
 _MISSING = "\u2013"
 # Rows of a table: more would not be read, and 1000 rows already are half a megabyte of HTML.
 _MAX_ROWS = 1000
-# Names of curves in sentences; others appear under the name of their class.
+# Names of curves in sentences; others appear under their kind, or the name of their class.
 _CURVES = {"Spiral": "spiral", "UTurn": "U-turn", "Sampled": "smooth path", "Composite": "path of several pieces"}
 _CURVES |= {"Line": "straight line", "Arc": "circular arc"}
 # The sizes of a curve in sentences, and the players.
@@ -74,11 +74,12 @@ def headline(summary: Summary) -> str:
 def subtitle(summary: Summary) -> str:
     """Dragon, speed, curve and player of the run in one line."""
     scenario, player = summary.scenario, json_values(summary.run.player)
-    kind = scenario["curve"]
-    curve = text(_CURVES.get(kind, kind.lower()))
-    for name, template in _SIZES.items():
-        if scenario.get(name) is not None:
-            curve += text(template).format(size=f"{scenario[name]:g}")
+    name = scenario["curve"]
+    kind = summary.run.march.curve.kind or name.lower()
+    curve = text(_CURVES.get(name, kind.replace("-", " ")))
+    for size, template in _SIZES.items():
+        if scenario.get(size) is not None:
+            curve += text(template).format(size=f"{scenario[size]:g}")
     return text("A dragon of {benches} benches at {speed} on a {curve}, {player}").format(
         benches=scenario["benches"],
         speed=_speed(scenario["speed"]),

@@ -1,4 +1,4 @@
-"""What all studies share: results that show themselves, and the declaration of a study by its name."""
+"""What all studies share: the base class of results, and the declaration of a study by its name."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 Progress = Callable[[float, float], None]
 
 # Names of the sizes of a dragon, which all studies take.
-_DRAGON = ("benches", "head_spacing", "body_spacing", "overhang", "width")
-# Columns of the labels of a text.
-_LABEL = 11
+_DRAGON_SIZES = ("benches", "head_spacing", "body_spacing", "overhang", "width")
+# Columns of a terminal that the labels of a text take.
+_LABEL_COLUMNS = 11
 
 
 def checked_dragon(dragon: Dragon | None) -> Dragon:
@@ -34,7 +34,7 @@ def checked_dragon(dragon: Dragon | None) -> Dragon:
 def labelled(label: str, lines: str) -> list[str]:
     """Lines of a text beside a label."""
     first, *rest = lines.split("\n")
-    return [label + " " * (_LABEL - width(label)) + first, *(" " * _LABEL + line for line in rest)]
+    return [label + " " * (_LABEL_COLUMNS - width(label)) + first, *(" " * _LABEL_COLUMNS + line for line in rest)]
 
 
 def silent(done: float, total: float) -> None:
@@ -42,7 +42,7 @@ def silent(done: float, total: float) -> None:
 
 
 class Result(TextResult, ABC):
-    """Base class of the studies' results: ``str`` is the text that the program prints, which notebooks show too."""
+    """Base class of the studies' results: ``str`` is the text that the command prints and that notebooks show."""
 
     @abstractmethod
     def to_dict(self) -> dict[str, Any]:
@@ -86,7 +86,8 @@ class Study:
     run : callable
         Function of a `Dragon`, of keyword-only parameters with defaults, and of `progress`. It returns a `Result`.
     flags : mapping
-        Those of its parameters that no scenario has, as flags of the program: placeholder of the value and description.
+        Those of its parameters that no scenario has, as flags of the command line: a placeholder of the value, and a
+        description.
     formats : tuple of str
         Endings of the files that the result can be written to: .xlsx if it has a `march` and `times`.
     """
@@ -100,7 +101,7 @@ class Study:
     @property
     def parameters(self) -> tuple[str, ...]:
         """Names of all parameters, including the dragon's sizes."""
-        return *_DRAGON, *(name for name in list(signature(self.run).parameters)[1:] if name != "progress")
+        return *_DRAGON_SIZES, *(name for name in list(signature(self.run).parameters)[1:] if name != "progress")
 
     def answer(self, values: Mapping[str, Any], progress: Progress = silent) -> Any:
         """Run with `values` of its `parameters` by name; a wrong name or value is a `ParameterError`."""
@@ -108,6 +109,6 @@ class Study:
         for name, value in values.items():
             if name not in self.parameters:
                 raise ParameterError(name, value, f"left out: {self.name} takes " + ", ".join(self.parameters))
-        sizes = {name: value for name, value in values.items() if name in _DRAGON}
-        rest = {name: value for name, value in values.items() if name not in _DRAGON}
+        sizes = {name: value for name, value in values.items() if name in _DRAGON_SIZES}
+        rest = {name: value for name, value in values.items() if name not in _DRAGON_SIZES}
         return self.run(Dragon(**sizes), **rest, progress=progress)

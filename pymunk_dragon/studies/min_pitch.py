@@ -121,7 +121,7 @@ class MinPitch(Result):
         return figure
 
 
-class _Inward:
+class _InwardMarch:
     """March at 1 m/s from a turn of a spiral inward to a circle, and its certified first contact before the circle."""
 
     def __init__(self, dragon: Dragon, pitch: float, turns: float, radius: float) -> None:
@@ -197,11 +197,11 @@ def min_pitch(
     # Turns are not closer than the width, and the start is not inside the circle.
     narrowest = max(float(dragon.widths.max()) * _MIN_PITCH_RATIO, radius / turns)
 
-    def inward(pitch: float) -> _Inward:
-        return _Inward(dragon, pitch, turns, radius)
+    def inward(pitch: float) -> _InwardMarch:
+        return _InwardMarch(dragon, pitch, turns, radius)
 
     pitches, blocked = _pitches(dragon, radius, narrowest), None
-    clear: list[_Inward] = []
+    clear: list[_InwardMarch] = []
     for done, pitch in enumerate(pitches, 1):
         march = inward(pitch + _CERTIFIED)
         progress(done, len(pitches) + 1)
@@ -254,8 +254,8 @@ def _pitches(dragon: Dragon, radius: float, narrowest: float) -> list[float]:
 
 
 def _limit(
-    inward: Callable[[float], _Inward], wider: _Inward, free: _Inward, blocked: _Inward
-) -> tuple[float, _Inward, _Inward]:
+    inward: Callable[[float], _InwardMarch], wider: _InwardMarch, free: _InwardMarch, blocked: _InwardMarch
+) -> tuple[float, _InwardMarch, _InwardMarch]:
     """The pitch at which two benches touch, m, and marches just above and below it, from two above and one below.
 
     The secant method on the gap of the benches that touch first as the pitch falls, and bisection without such benches.
@@ -276,7 +276,7 @@ def _limit(
     raise DragonError(f"no limit of the pitch can be certified from {blocked.pitch:.9g} to {free.pitch:.9g} m")
 
 
-def _zero(wider: _Inward, free: _Inward, benches: tuple[int, int]) -> float:
+def _zero(wider: _InwardMarch, free: _InwardMarch, benches: tuple[int, int]) -> float:
     """The pitch at which the gap of two benches is zero, m, by its values at two pitches; nan if these are equal."""
     gap, before = free.gap(benches)[0], wider.gap(benches)[0]
     return free.pitch - gap * (wider.pitch - free.pitch) / (before - gap or math.nan)

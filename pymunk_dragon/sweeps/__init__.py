@@ -28,7 +28,7 @@ minutes.
 from __future__ import annotations
 
 from pymunk_dragon.sweeps.quantities import QUANTITIES
+from pymunk_dragon.sweeps.result import Sweep
 from pymunk_dragon.sweeps.sweep import sweep
-from pymunk_dragon.sweeps.table import Sweep
 
 __all__ = ["QUANTITIES", "Sweep", "sweep"]

@@ -53,7 +53,7 @@ def base_values(quantity: Quantity, given: Values, axes: Axes) -> dict[str, Any]
     errors = []
     for corner in product(*(dict.fromkeys((min(values), max(values))) for values in axes.values())):
         try:
-            found = quantity.base({**given, **dict(zip(axes, corner, strict=True))})
+            found = quantity.complete_values({**given, **dict(zip(axes, corner, strict=True))})
             return {name: value for name, value in found.items() if name not in axes}
         except ParameterError as error:
             errors.append(error)
@@ -65,7 +65,7 @@ def reference_values(quantity: Quantity, given: Values, axes: Axes) -> dict[str,
     """The scenario's own values of axes, or nan where it has none."""
     known = {}
     with suppress(ParameterError):  # It may be no scenario without the axes.
-        known = quantity.base(given)
+        known = quantity.complete_values(given)
     return {name: number(known.get(name)) for name in axes}
 
 

@@ -16,7 +16,7 @@ from pymunk_dragon._arguments import Array, Flags
 from pymunk_dragon._language import text
 from pymunk_dragon.drawing.figures.style import COLOURS, QUIET, chart, halo
 from pymunk_dragon.sweeps.axes import varied
-from pymunk_dragon.sweeps.table import Sweep
+from pymunk_dragon.sweeps.result import Sweep
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

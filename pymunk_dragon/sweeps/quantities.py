@@ -30,24 +30,25 @@ class Quantity:
     """What a sweep computes: a function of a `March` and of keyword-only parameters.
 
     The name is one of `QUANTITIES` or ``"module:function"``; `summary` is what is computed, in one line. `parameters`
-    are names of parameters that can be axes, of which the function has its `own`.
+    are names of parameters that can be axes, of which `own_parameters` are the function's.
     """
 
     def __init__(self, name: str, function: Callable[..., Values]) -> None:
         self.name, self.function = name, function
         self.summary = (getdoc(function) or name).partition("\n")[0].rstrip(".")
-        self.own = [each.name for each in signature(function).parameters.values() if each.kind is each.KEYWORD_ONLY]
-        self.parameters = [*_SCENARIO, *self.own]
+        declared = signature(function).parameters.values()
+        self.own_parameters = [each.name for each in declared if each.kind is each.KEYWORD_ONLY]
+        self.parameters = [*_SCENARIO, *self.own_parameters]
 
-    def base(self, values: Values) -> dict[str, Any]:
+    def complete_values(self, values: Values) -> dict[str, Any]:
         """Complete and plain values of parameters; a `ParameterError` if one is out of range or no parameter."""
         scenario, own = self.scenario(values)
-        return {name: value for name, value in scenario.values().items() if name not in self.own} | own
+        return {name: value for name, value in scenario.values().items() if name not in self.own_parameters} | own
 
     def scenario(self, values: Values) -> tuple[Scenario, dict[str, Any]]:
         """The scenario of values of parameters, and the function's own ones."""
         others = dict(values)
-        own = {name: _plain(name, others.pop(name)) for name in self.own if name in others}
+        own = {name: _plain(name, others.pop(name)) for name in self.own_parameters if name in others}
         return Scenario.from_dict(others), own
 
 

@@ -28,11 +28,12 @@ from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.scenario import Scenario
 from pymunk_dragon.sweeps.axes import Axes, axes_of, base_values, given_values, reference_values
+from pymunk_dragon.sweeps.partial import PartialTable
 from pymunk_dragon.sweeps.quantities import Outcome, Quantity, Values, evaluate, quantity_of
-from pymunk_dragon.sweeps.table import Partial, Sweep, check_format
+from pymunk_dragon.sweeps.result import Sweep, check_format
 
-# Futures under way, at most: enough for so many workers, and few in memory.
-_UNDER_WAY = 256
+# Futures that are submitted and not finished, at most: enough for as many workers, and few in memory.
+_MAX_RUNNING = 256
 # Worker processes, at most (Windows waits for no more), and processors for this process, of which each gets one.
 _MAX_WORKERS = 61 if os.name == "nt" else 1000
 _CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else min(os.cpu_count() or 1, _MAX_WORKERS)
@@ -106,7 +107,7 @@ def sweep(
         raise ParameterError("resume", resume, "absent without a file to write")
     files = [check_format(path, points) for path in paths]
     pool = _pool(executor, scheduler, workers)
-    with Partial(files, _description(chosen, points, base), points, resume=resume) as partial:
+    with PartialTable(files, _description(chosen, points, base), points, resume=resume) as partial:
         with pool as started:
             for rows in _outcomes(started, partial_of(evaluate, chosen.name, base), partial.missing()):
                 partial.append(rows)
@@ -135,7 +136,7 @@ def _outcomes(pool: Executor, call: Callable[..., Outcome], points: Iterable[Any
             with signals_held():
                 running[future := pool.submit(call, at)] = number
                 future.add_done_callback(done.put)
-            if len(running) >= _UNDER_WAY:
+            if len(running) >= _MAX_RUNNING:
                 yield _finished(running, done)
         while running:
             yield _finished(running, done)

@@ -99,7 +99,7 @@ class Lesson:
         return self.path.read_text(encoding="utf-8")
 
     @property
-    def builds(self) -> bool:
+    def builds_scene(self) -> bool:
         """Whether its first cell has a function `build` for its live scene, and the keywords `LIVE` of `live`."""
         return "view" in self.options
 
@@ -121,8 +121,8 @@ class Lesson:
 
     def guess(self, language: str = "en") -> str:
         """The section "Guess" with the questions and their choices, but without what comes of them."""
-        asked = ["\n- ".join([each.text, *each.choices]) for each in self.guesses(language)]
-        return "\n\n".join([self.sections(language).get("Guess", ""), *asked])
+        questions = ["\n- ".join([each.text, *each.choices]) for each in self.guesses(language)]
+        return "\n\n".join([self.sections(language).get("Guess", ""), *questions])
 
 
 def blocks(markdown: str) -> list[Block]:

@@ -11,19 +11,20 @@ def make_notebook(lesson: Lesson, language: str = "en") -> str:
     """A lesson as the JSON text of a notebook: its program in cells, its live scene, its answer folded."""
     nbformat = library("nbformat")
     v4 = nbformat.v4
-    said = lesson.sections(language)
+    texts = lesson.sections(language)
     with in_language(language):
         needs = text("The kernel needs the package with its extras: pymunk-dragon[demos,live,notebook].")
-        opening = [f"# {said['Title']}", said["Question"], f"**{text('Guess')}**", lesson.guess(language), f"*{needs}*"]
+        title, question = f"# {texts['Title']}", texts["Question"]
+        opening = [title, question, f"**{text('Guess')}**", lesson.guess(language), f"*{needs}*"]
         cells = [v4.new_markdown_cell("\n\n".join(opening)), *map(v4.new_code_cell, lesson.cells)]
         if scene := lesson.options.get("scene"):
-            played = "build, **LIVE" if lesson.builds else f'"{scene}"'
+            arguments = "build, **LIVE" if lesson.builds_scene else f'"{scene}"'
             cells += [
                 v4.new_markdown_cell(text("Touch it:")),
-                v4.new_code_cell(f"from pymunk_dragon import live\n\nlive({played})"),
+                v4.new_code_cell(f"from pymunk_dragon import live\n\nlive({arguments})"),
             ]
-        closing = [f"**{text(name)}**\n\n{said[name]}" for name in ("Check", "Change") if name in said]
-        folded = f"<details><summary>{text('Answer')}</summary>\n\n{said.get('Answer', '')}\n\n</details>"
+        closing = [f"**{text(name)}**\n\n{texts[name]}" for name in ("Check", "Change") if name in texts]
+        folded = f"<details><summary>{text('Answer')}</summary>\n\n{texts.get('Answer', '')}\n\n</details>"
         cells.append(v4.new_markdown_cell("\n\n".join([folded, *closing])))
     for number, cell in enumerate(cells):
         cell["id"] = f"{lesson.name}-{number}"

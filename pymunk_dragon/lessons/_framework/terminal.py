@@ -55,24 +55,24 @@ def play(lesson: Lesson, save: str | Path | None = None, *, language: str = "en"
     if "matplotlib" in lesson.source and not is_installed("matplotlib"):
         raise MissingExtraError("a lesson", "demos")
     folder = Path(tempfile.mkdtemp(prefix="pymunk-dragon-")) if save is None else make_folder(save)
-    said = lesson.sections(language)
+    texts = lesson.sections(language)
     option = "" if language == "en" else f" --lang {language}"
     with in_language(language):
-        _say(said["Title"], said["Question"])
-        _say(text("Guess"), lesson.guess(language))
+        _print_section(texts["Title"], texts["Question"])
+        _print_section(text("Guess"), lesson.guess(language))
         for line in run(lesson, folder):
             print(line, end="", flush=True)
-        _say(f"\n{text('Picture')}", str(picture(lesson, folder)))
+        _print_section(f"\n{text('Picture')}", str(picture(lesson, folder)))
         for name in ("Answer", "Check", "Change"):
-            _say(text(name), said.get(name, ""))
+            _print_section(text(name), texts.get(name, ""))
         if scene := lesson.options.get("scene"):
-            command = f"demo {lesson.name} --live" if lesson.builds else f"live {scene}"
-            _say(text("Touch it in a browser"), f"pymunk-dragon {command}{option}")
+            command = f"demo {lesson.name} --live" if lesson.builds_scene else f"live {scene}"
+            _print_section(text("Touch it in a browser"), f"pymunk-dragon {command}{option}")
         if following := dict(pairwise(lessons())).get(lesson.name):
-            _say(text("Next"), f"pymunk-dragon demo {following}{option}")
+            _print_section(text("Next"), f"pymunk-dragon demo {following}{option}")
 
 
-def _say(heading: str, markdown: str) -> None:
+def _print_section(heading: str, markdown: str) -> None:
     """Print a heading, in bold if stdout is a terminal and the environment has no NO_COLOR, and a text below it."""
     bold = sys.stdout.isatty() and "NO_COLOR" not in os.environ
     print(f"\x1b[1m{heading}\x1b[0m" if bold else heading)

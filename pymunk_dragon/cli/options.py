@@ -1,22 +1,16 @@
-"""What the commands share: their class, options with what these mean, and output."""
+"""Options that commands share, and the dragons, marches, runs and numbers that they stand for."""
 
 from __future__ import annotations
 
-import json
-import sys
-import time
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from decimal import Decimal
 from functools import reduce
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
-from pymunk_dragon._extras import library
-from pymunk_dragon._files import check_destination, written_in_place
-from pymunk_dragon._language import in_language, text
+from pymunk_dragon._language import in_language
 from pymunk_dragon.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -28,10 +22,6 @@ F = TypeVar("F", bound=Callable[..., Any])
 PROGRAM = "pymunk-dragon"
 # Numbers in one list: more would come from a typing error.
 _MAX_LIST = 100_000
-# Libraries of formats, of which a missing one is named before the work.
-_LIBRARIES = {".xlsx": "xlsxwriter"} | dict.fromkeys((".png", ".svg", ".pdf"), "matplotlib")
-# Steps of a progress bar.
-_STEPS = 1000
 
 
 def _speed_or_file(value: str) -> float | str:
@@ -50,7 +40,11 @@ SCENARIO_OPTIONS: dict[str, tuple[Any, str, str]] = {
     "overhang": (float, "M", "From a hole to the end of the bench, m.  [0.275]"),
     "width": (float, "M", "Width of the benches, m.  [0.3]"),
     "turns": (float, "X", "Turn of the spiral on which the head starts.  [16]"),
-    "speed": (_speed_or_file, "M/S|FILE.csv", "Speed of the head, m/s, or a file with times and speeds t,v.  [1]"),
+    "speed": (
+        _speed_or_file,
+        "M/S|FILE.csv",
+        "Speed of the head, m/s, or a file with times and speeds t,v.  [1]",
+    ),
 }
 
 
@@ -113,7 +107,7 @@ def _source_of(error: ParameterError) -> str:
         if isinstance(each, click.Argument) and str(each.name).startswith(name):
             return str(each.metavar).strip("[].")
     # The function that refuses the value may have another name for it.
-    values = context.params | chosen()
+    values = context.params | option_values()
     for flag in flags_given(*(each for each in values if values[each] == error.value)):
         return flag
     if file is not None:
@@ -122,16 +116,27 @@ def _source_of(error: ParameterError) -> str:
     return f"{error.name} of a file for --scenario" if of_scenario else error.name
 
 
-def options(*declared: Callable[[F], F]) -> Callable[[F], F]:
+def option_group(*declared: Callable[[F], F]) -> Callable[[F], F]:
     """Several options of a command as one decorator."""
     return lambda function: reduce(lambda done, option: option(done), reversed(declared), function)
 
 
 # Options of commands that serve a page.
-address_options = options(
+address_options = option_group(
     click.option("--port", type=int, default=0, metavar="N", help="Port.  [a free one]"),
-    click.option("--host", default="127.0.0.1", metavar="ADDRESS", help="Address to listen on.  [this machine only]"),
-    click.option("--allow-host", "allow_hosts", multiple=True, metavar="NAME", help="Name of a proxy; repeatable."),
+    click.option(
+        "--host",
+        default="127.0.0.1",
+        metavar="ADDRESS",
+        help="Address to listen on.  [this machine only]",
+    ),
+    click.option(
+        "--allow-host",
+        "allow_hosts",
+        multiple=True,
+        metavar="NAME",
+        help="Name of a proxy; repeatable.",
+    ),
     click.option("--no-browser", "browser", flag_value=False, default=True, help="Do not open a browser."),
 )
 
@@ -164,11 +169,11 @@ def output_option(endings: str, default: str | None = None) -> Callable[[F], F]:
     """The options --json and -o; the ending of its file chooses the format."""
     about = f"File to write: {endings}." + (f"  [{default}]" if default else "")
     output = click.option("-o", "--output", metavar="FILE", type=click.Path(), help=about)
-    return options(json_option, output)
+    return option_group(json_option, output)
 
 
 def scenario_options(function: F) -> F:
-    """Add the options of a scenario to a command, for `file_values`, `chosen` and `march`."""
+    """Add the options of a scenario to a command, for `file_values`, `option_values` and `chosen_march`."""
 
     def collect(context: click.Context, option: click.Parameter, value: Any) -> None:
         if value is not None:
@@ -197,7 +202,7 @@ def _curve_options() -> dict[str, tuple[Any, str, str]]:
     return options
 
 
-def chosen() -> dict[str, Any]:
+def option_values() -> dict[str, Any]:
     """The options of the dragon and its curve that were given, by name."""
     return dict(click.get_current_context().meta.get("scenario", {}))
 
@@ -210,28 +215,20 @@ def file_values() -> dict[str, Any]:
     return {} if file is None else Scenario.read(file)
 
 
-def march() -> March:
+def chosen_march() -> March:
     """The march of the scenario file and the options."""
     from pymunk_dragon.model.scenario import Scenario
 
-    return Scenario.from_dict(file_values() | chosen()).march()
+    return Scenario.from_dict(file_values() | option_values()).march()
 
 
-def run_of(run_file: str) -> Run:
+def load_run(run_file: str) -> Run:
     """The run in a file, which has its own scenario."""
     from pymunk_dragon.model.run import Run
 
-    if chosen() or flags_given("scenario"):
+    if option_values() or flags_given("scenario"):
         raise click.UsageError("a run file contains its scenario: leave out the options of the dragon and its curve")
     return Run.load(run_file)
-
-
-def destination_of(output: str | None, endings: Iterable[str]) -> Path | None:
-    """The file to write, which is checked, or None; to be called before the work."""
-    path = None if output is None else check_destination(output, endings)
-    if path is not None and path.suffix.lower() in _LIBRARIES:
-        library(_LIBRARIES[path.suffix.lower()])
-    return path
 
 
 def number_list(name: str, given: str) -> list[float]:
@@ -250,57 +247,3 @@ def number_list(name: str, given: str) -> list[float]:
         bound = f"numbers such as 0,60,120 or first:last:step such as 0:300:1, of which there are at most {_MAX_LIST}"
         raise ParameterError(name, given, bound) from None
     return numbers
-
-
-@contextmanager
-def progress(label: str, begin: float = 0.0) -> Iterator[Callable[[float, float], None]]:
-    """Progress bar on stderr if that is a terminal; yields `show(done, total)`, of numbers that start with `begin`."""
-    with click.progressbar(length=_STEPS, label=label, file=sys.stderr, hidden=not sys.stderr.isatty()) as bar:
-
-        def show(done: float, total: float) -> None:
-            if not bar.pos:  # The time left is estimated from the first step on, not from what comes before it.
-                bar.start = bar.last_eta = time.time()
-            bar.update(max(int(_STEPS * (done - begin) / (total - begin)) - bar.pos, 0))
-
-        yield show
-
-
-def wrote(path: Path) -> None:
-    """Print on a terminal which file was written."""
-    if sys.stderr.isatty() and path.is_file():  # Not a device or a FIFO.
-        click.echo(text("wrote {path}").format(path=path), err=True)
-
-
-def answer_with_file(path: Path) -> None:
-    """Note which file was written, and with --json print its name and size."""
-    wrote(path)
-    if wants_json():
-        answer({"output": str(path), "bytes": path.stat().st_size})
-
-
-def save(path: Path | None, result: Mapping[str, Any], write: Callable[[Path], object] | None = None) -> None:
-    """Write a result to a file, if there is one: as JSON, or in another format by `write`."""
-    if path is None:
-        return
-    if write is None or path.suffix.lower() == ".json":
-        with written_in_place(path) as draft:
-            draft.write_text(json.dumps(result) + "\n", encoding="utf-8")
-    else:
-        write(path)
-    wrote(path)
-
-
-def listing(what: str, summaries: Mapping[str, str]) -> None:
-    """Print names, each with its summary."""
-    wide = max(map(len, summaries))
-    answer({what: summaries}, "\n".join(f"{name:<{wide}}  {text(summary)}" for name, summary in summaries.items()))
-
-
-def wants_json() -> bool:
-    """Whether a JSON object is to be printed."""
-    return bool(click.get_current_context().meta["json"])
-
-
-def answer(result: dict[str, Any], shown: object = "") -> None:
-    """Print a result, with --json as a JSON object."""
-    click.echo(json.dumps(result) if wants_json() else shown)

@@ -1,0 +1,122 @@
+"""The result of a sweep: a table with a row for each point, as CSV or as a picture."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterator
+from io import StringIO
+from itertools import chain, product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pymunk_dragon._arguments import word
+from pymunk_dragon._extras import library
+from pymunk_dragon._files import check_destination, written_in_place
+from pymunk_dragon._language import text
+from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.studies import Result
+from pymunk_dragon.sweeps.axes import Axes, varied
+from pymunk_dragon.sweeps.partial import PartialTable
+from pymunk_dragon.sweeps.quantities import Quantity, Values
+
+# Endings of tables and pictures.
+_TABLE = ".csv"
+_PICTURES = (".png", ".svg", ".pdf")
+
+
+class Sweep(Result):
+    """Result of a sweep: a table with a row for each point.
+
+    Attributes
+    ----------
+    names, columns : tuple of str
+        Names of the axes, and of all columns: the axes, the values of the quantity, and `error`.
+    points, failed, resumed : int
+        Number of all points, of those without values, and of those that were finished before.
+    quantity, seconds : str and float
+        Name of the quantity; wall time, s.
+    axes, reference : mapping
+        Values of each axis, and the scenario's own value or nan.
+
+    Examples
+    --------
+    >>> from concurrent.futures import ThreadPoolExecutor
+    >>> from pymunk_dragon import Scenario, sweep
+    >>> found = sweep(Scenario(benches=16, turns=8), {"width": [0.3, 0.4]}, executor=ThreadPoolExecutor(1))
+    >>> found.points, found.column("width").tolist()
+    (2, [0.3, 0.4])
+    """
+
+    def __init__(self, quantity: Quantity, partial: PartialTable, reference: Values, seconds: float) -> None:
+        self.quantity, self.summary = quantity.name, quantity.summary
+        self.axes, self.reference = partial.axes, reference
+        self.names = tuple(self.axes)
+        self.points = partial.count
+        self._values, self._errors = zip(*map(partial.rows.__getitem__, range(self.points)), strict=True)
+        self._of_quantity = list(dict.fromkeys(chain.from_iterable(filter(None, self._values))))
+        self.columns = (*self.names, *self._of_quantity, "error")
+        self.failed = self.points - self._errors.count(None)
+        self.resumed = partial.resumed
+        self.seconds = seconds
+
+    def rows(self) -> Iterator[list[Any]]:
+        """The rows of the table in the order of the grid, each with a value or None for each column."""
+        for point, values, error in zip(product(*self.axes.values()), self._values, self._errors, strict=True):
+            yield [*point, *map((values or {}).get, self._of_quantity), error]
+
+    def column(self, name: str) -> NDArray[Any]:
+        """A column (P,): numbers, with nan where there is none, or objects if it has texts or only whole numbers."""
+        position = self.columns.index(word("column", name, self.columns))
+        values = [row[position] for row in self.rows()]
+        kinds = set(map(type, values))
+        return np.array(values, dtype=float if float in kinds and str not in kinds else object)
+
+    def write(self, path: str | Path) -> None:
+        """Write the table as CSV, or a picture of it as PNG, SVG or PDF; errors are those of `sweep`."""
+        destination = check_format(path, self.axes)
+        if destination.suffix.lower() != _TABLE:
+            self.write_figure(destination)
+            return
+        with (
+            written_in_place(destination) as draft,
+            draft.open("w", encoding="utf-8", newline="\n") as file,
+        ):
+            file.writelines(f"{line}\n" for line in self.csv())
+
+    def csv(self) -> list[str]:
+        """Lines of the table as CSV: numbers with all their digits, nothing for None."""
+        table = StringIO()
+        csv.writer(table, lineterminator="\n").writerows([self.columns, *self.rows()])
+        return table.getvalue().splitlines()
+
+    def to_dict(self) -> dict[str, Any]:
+        """Numbers of points and wall time, as `sweep --json` prints them."""
+        return {name: getattr(self, name) for name in ("points", "failed", "resumed", "seconds")}
+
+    def _lines(self) -> list[str]:
+        points, names = (
+            text("{count} points of {quantity} over {names}"),
+            text(" and ").join(self.names),
+        )
+        counts = [points.format(count=self.points, quantity=self.quantity, names=names)]
+        counts += [text("{count} resumed").format(count=self.resumed)] if self.resumed else []
+        counts += [text("{count} failed").format(count=self.failed)] if self.failed else []
+        return [", ".join(counts) + f": {self.seconds:.1f} s"]
+
+    def _draw(self) -> Any:
+        from pymunk_dragon.sweeps.figure import draw
+
+        return draw(self)
+
+
+def check_format(path: str | Path, axes: Axes) -> Path:
+    """`path`, if a table or a picture over these axes can be written to it."""
+    destination = check_destination(path, (_TABLE, *_PICTURES))
+    if destination.suffix.lower() != _TABLE:
+        library("matplotlib")
+        if len(varied(axes)) > 2:
+            raise ParameterError("output", str(path), "a table, .csv, of more than two axes")
+    return destination
