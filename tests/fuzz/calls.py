@@ -274,8 +274,6 @@ CALLS = {
     "Camera": (Camera, {"follow": ("head", "text"), "span": OPTIONAL}),
     "Film": (Film, FILM),
     "Film.texts": (Film().texts, {"headings": (("x",), "empty texts")}),
-    "Film.timing": (Film(speedup=1.0).timing, {"sources": ([RUN], "")}),
-    "Film.window": (Film().window, {"sources": ([RUN], "")}),
     "render": (
         render,
         {"source": (RUN, ""), "path": file(".png"), "film": (None, "none"), "progress": PROGRESS, **FILM},
