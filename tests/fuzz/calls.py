@@ -191,7 +191,7 @@ CALLS = {
     "March.time": (MARCH.time, {"distances": TIMES}),
     "March.span": (MARCH.span, {"start": FLOAT, "until": FLOAT}),
     "March.speeds_by_difference": (SPIRAL.speeds_by_difference, {"times": TIMES, "step": (0.1, "number")}),
-    "March.steady": (MARCH.steady, {}),
+    "March.at_unit_speed": (MARCH.at_unit_speed, {}),
     "States.to_dict": (MARCH.at(TIMES[0]).to_dict, {"handles": ([1], "array list none")}),
     "States.rows": (MARCH.at(TIMES[0]).rows, {"handles": ([1], "array list none")}),
     "States.text": (MARCH.at(TIMES[0]).text, {"handles": ([1], "array list none")}),
