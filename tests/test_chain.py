@@ -118,7 +118,7 @@ def test_the_way_back_in_time_is_followed_as_well():
 def test_states_do_not_depend_on_the_order_of_questions():
     curve, times = UTurn(ratio=3.0), np.array([1.0, 30.0, 12.0, -5.0, 14.5])
     marches = [March(dragon, curve) for dragon in (Dragon(benches=20), Dragon(benches=20, body_spacing=1.5))]
-    for march in (*marches, marches[0].steady()):
+    for march in (*marches, marches[0].at_unit_speed()):
         for time in times[::-1]:
             march.motion_or_nan(time)
         alone = March(march.dragon, curve)

@@ -66,9 +66,9 @@ def test_benches_may_differ():
     assert dragon.lengths.tolist() == pytest.approx([4.0, 4.6, 4.1, 8.0])
     assert dragon.widths.tolist() == TRACTOR["width"]
     for sizes in ({}, {"width": [0.5, 0.3, 0.3]}, {"overhang": [0.1, 0.2, 0.2], "body_spacing": [1.65, 1.65]}):
-        assert Dragon(**sizes).alike
+        assert Dragon(**sizes).has_equal_benches
     for sizes in ({"width": [0.3, 0.3, 0.4]}, {"overhang": [0.275, 0.275, 0.2]}, {"body_spacing": [1.65, 1.7]}):
-        assert not Dragon(**sizes).alike
+        assert not Dragon(**sizes).has_equal_benches
 
 
 def test_dragons_of_the_same_sizes_are_equal_whatever_kind_of_numbers_they_are_given():

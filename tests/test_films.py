@@ -28,9 +28,10 @@ from pymunk_dragon import (
 from pymunk_dragon._language import in_language
 from pymunk_dragon.drawing import FILM_ENDINGS, lettering, still_png
 from pymunk_dragon.drawing.film.formats import WRITERS, Frames
-from pymunk_dragon.drawing.film.layout import Canvas
+from pymunk_dragon.drawing.film.layout import Layout
+from pymunk_dragon.drawing.film.take import checked_sources, takes_in, takes_of_film
+from pymunk_dragon.drawing.film.timing import frame_times
 from pymunk_dragon.drawing.palette import BLOCK, COLOURS, colour_table
-from pymunk_dragon.drawing.snapshots import states
 from pymunk_dragon.errors import DragonError
 
 MARCH = March(Dragon(benches=16), turns=4)
@@ -67,9 +68,19 @@ def frames(path):
             yield np.asarray(film.convert("RGB")), film.info["duration"]
 
 
+def timing_of(source, film):
+    """Times of the frames of a film of a run or march, or of several."""
+    return frame_times(takes_of_film(checked_sources(source), film), film)
+
+
+def layout_of(source, times, film):
+    """Layout of the frames of a film at given times."""
+    return Layout(takes_in((times[0], times[-1]), checked_sources(source), film), times, film)
+
+
 def drawn(source, film):
-    canvas = Canvas([source], film.timing([source]).times, film)
-    return [np.asarray(picture).astype(int) for picture in canvas.frames()]
+    layout = layout_of(source, timing_of(source, film).times, film)
+    return [np.asarray(picture).astype(int) for picture in layout.frames()]
 
 
 def test_file_shows_exactly_what_was_drawn_for_as_long_as_it_should(run, tmp_path):
@@ -175,7 +186,7 @@ def test_bad_parameters_are_refused(run, tmp_path):
     cases += [("headings", value) for value in (("a", None), ("one", "too many"), (UNKNOWN,))]
     cases += [("show", value) for value in (("shadows",), "grid", ("impulses",))]
     calls = [(name, run, "film.gif", {name: value}) for name, value in cases]
-    calls += [("until", run, "film.gif", {"start": 5, "until": 4}), ("until", MARCH, "film.gif", {})]
+    calls += [("until", run, "film.gif", {"start": 5, "until": 4}), ("until", [MARCH, MARCH], "film.gif", {})]
     calls += [("output", run, name, {}) for name in ("film.avi", "film", "nowhere/film.gif")]
     calls += [("source", source, "film.gif", {"until": 1}) for source in ([], "run.npz", [1], None)]
     for name, source, file, options in calls:
@@ -186,7 +197,7 @@ def test_bad_parameters_are_refused(run, tmp_path):
 
 
 def test_film_of_the_paper_s_march_is_short_and_slows_down_towards_near_misses_and_contact(seed):
-    timing = Film().timing([seed])
+    timing = timing_of(seed, Film())
     assert 8 <= timing.ends[-1] <= 20
     assert timing.fps >= 20
     travel = np.diff(timing.times)  # of the head per frame, m, at 1 m/s
@@ -202,38 +213,80 @@ def test_film_of_the_paper_s_march_is_short_and_slows_down_towards_near_misses_a
 
 
 def test_given_parameters_of_the_time_are_kept(seed, run):
-    timing = Film(start=0).timing([seed])
+    timing = timing_of(seed, Film(start=0))
     assert timing.times[0] == 0
     assert np.diff(timing.times).max() <= 0.8
-    assert np.diff(Film(camera=HEAD).timing([seed]).times).max() <= 0.2
-    assert Film(fps=10).timing([seed]).fps == 10
-    np.testing.assert_allclose(np.diff(Film(speedup=20).timing([seed]).times)[:-1], 1)
-    np.testing.assert_allclose(Film(fps=10, speedup=10, start=3, until=6).timing([run]).times, [3, 4, 5, 6])
+    assert np.diff(timing_of(seed, Film(camera=HEAD)).times).max() <= 0.2
+    assert timing_of(seed, Film(fps=10)).fps == 10
+    np.testing.assert_allclose(np.diff(timing_of(seed, Film(speedup=20)).times)[:-1], 1)
+    np.testing.assert_allclose(timing_of(run, Film(fps=10, speedup=10, start=3, until=6)).times, [3, 4, 5, 6])
 
 
 def test_films_of_short_and_long_and_changing_marches_have_a_bearable_length(run):
-    assert Film().timing([run]).ends[-1] == pytest.approx(8)
+    assert timing_of(run, Film()).ends[-1] == pytest.approx(8)
     # Half of real time, and the last frame.
-    assert Film(until=1.0).timing([MARCH]).ends[-1] == pytest.approx(2 * 1.0 + 2.5)
-    long = Film(start=0).timing([Run.exact(March(Dragon(benches=3), turns=80), np.linspace(0, 8000, 101))])
+    assert timing_of(MARCH, Film(until=1.0)).ends[-1] == pytest.approx(2 * 1.0 + 2.5)
+    long = timing_of(Run.exact(March(Dragon(benches=3), turns=80), np.linspace(0, 8000, 101)), Film(start=0))
     assert long.ends[-1] == pytest.approx(62.5, abs=0.05)
     march = March(Dragon(benches=16), turns=16, speed=SpeedTable((0, 100, 200), (0.2, 2.0, 0.2)))
-    changing = Film().timing([Run.exact(march, np.linspace(0, 200, 101))])
+    changing = timing_of(Run.exact(march, np.linspace(0, 200, 101)), Film())
     assert np.diff(march.distance(changing.times)).max() <= 0.8
     small = Dragon(benches=16, head_spacing=0.286, body_spacing=0.165, overhang=0.0275, width=0.03)
-    assert np.diff(Film(until=60).timing([March(small, turns=16)]).times).max() <= 0.08
+    assert np.diff(timing_of(March(small, turns=16), Film(until=60)).times).max() <= 0.08
+
+
+def test_first_contact_is_searched_for_once_in_a_film(seed, tmp_path, monkeypatch, call):
+    starts = []
+
+    def counted(march, *, start=0.0, **options):
+        starts.append(start)
+        return first_contact(march, start=start, **options)
+
+    monkeypatch.setattr("pymunk_dragon.drawing.film.take.first_contact", counted)
+    march = March(Dragon(benches=16), turns=5)
+    calls = [
+        (march, {}),
+        (march, {"until": 20.0}),
+        (march, {"until": 20.0, "speedup": 4.0}),
+        (seed, {"start": 411.0}),
+        ([seed, seed.march], {"start": 411.0}),
+        ([seed, seed.march], {"start": 411.0, "speedup": 4.0}),
+    ]
+    for source, parameters in calls:
+        starts.clear()
+        render(source, tmp_path / "film.gif", size=64, fps=1, **parameters)
+        assert starts == [parameters.get("start", 0.0)], parameters
+    # The contact of a run is known.
+    starts.clear()
+    render(seed, tmp_path / "film.gif", size=64, fps=1, start=411.0, speedup=4.0)
+    assert starts == []
+    for options in ([], ["--until", "20"]):
+        starts.clear()
+        arguments = ["render", "--benches", "16", "--turns", "5", "--size", "64", *options]
+        assert call(*arguments, "-o", str(tmp_path / "film.gif"))[0] == 0
+        assert starts == [0.0]
+
+
+def test_march_is_shown_until_its_first_contact_or_for_a_minute(tmp_path):
+    options = {"size": 64, "fps": 1, "speedup": 20.0}
+    march = March(Dragon(benches=16), turns=5)
+    hit = first_contact(march)
+    assert hit.status == "contact"
+    assert render(march, tmp_path / "film.gif", **options).times[-1] == hit.time
+    endless = March(Dragon(benches=16), UTurn())
+    assert render(endless, tmp_path / "film.gif", start=-10.0, **options).times[-1] == 50.0
 
 
 def test_film_slows_down_once_for_the_events_of_all_its_sources(seed):
     film = Film(start=300)
-    played, exact = film.timing([seed]).times, replace(film, until=412.4739).timing([March()]).times
+    played, exact = timing_of(seed, film).times, timing_of(March(), replace(film, until=412.4739)).times
     np.testing.assert_allclose(played, exact, atol=1e-3)
     # An unguided run does not have the near misses of the exact model.
     unguided = replace(seed, provenance={"player": "pymunk", "guide": "none", "free_from": 1})
-    fewer = len(played) - len(film.timing([unguided]).times)
+    fewer = len(played) - len(timing_of(unguided, film).times)
     assert fewer == pytest.approx(2 * film.fps, rel=0.1)
     later = replace(seed, first_contact=replace(seed.first_contact, time=CONTACT - 1e-4))
-    assert np.array_equal(film.timing([seed, later, seed.march]).times, film.timing([later]).times)
+    assert np.array_equal(timing_of([seed, later, seed.march], film).times, timing_of(later, film).times)
 
 
 def test_two_runs_stand_side_by_side_from_the_same_distance_until_both_are_over(run, tmp_path):
@@ -327,7 +380,8 @@ def displaced(run):
 
 def shown(source, time, film):
     """A picture, and where points of the ground lie on it."""
-    [scene], [state] = Canvas([source], np.array([time]), film).scenes, states(source, np.array([time]))
+    [scene] = layout_of(source, np.array([time]), film).scenes
+    [state] = scene.source.at(np.array([time]))
     layer = scene.layer(*state)
     return still(source, time, film), lambda points: layer.pixels(points) / BLOCK
 
@@ -355,10 +409,10 @@ def test_table_of_films_has_every_colour_of_pictures(seed):
 
 
 def test_each_colour_of_the_table_is_written_as_it_is(run, monkeypatch):
-    canvas = Canvas([run], np.zeros(1), Film(size=64))
+    layout = layout_of(run, np.zeros(1), Film(size=64))
     table = Image.fromarray(colour_table()[None])
-    monkeypatch.setattr(canvas, "frames", lambda: iter([table]))
-    [picture] = canvas.pictures(None)
+    monkeypatch.setattr(layout, "frames", lambda: iter([table]))
+    [picture] = layout.pictures(None)
     np.testing.assert_array_equal(np.asarray(picture)[0], np.arange(len(colour_table())))
     np.testing.assert_array_equal(np.asarray(picture.convert("RGB")), np.asarray(table))
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +19,6 @@ from pymunk_dragon.cli.options import (
     scenario_options,
 )
 from pymunk_dragon.cli.output import print_file_result, progress
-from pymunk_dragon.collision import first_contact
 from pymunk_dragon.drawing import FILM_ENDINGS, OVERLAYS, STILL_ENDINGS, Camera, Film
 from pymunk_dragon.drawing import render as render_film
 from pymunk_dragon.errors import ParameterError
@@ -81,8 +79,6 @@ def _write_film(sources: list[Run | March], path: Path, choices: dict[str, Any])
     """Write a film, or a picture of its last time."""
     if path.suffix.lower() in STILL_ENDINGS:
         _refuse("a picture", *_OF_FILMS)
-    if isinstance(sources[0], March) and choices["until"] is None:
-        choices["until"] = _end(sources[0], choices["start"] or 0.0)
     overlays = tuple(name for value, name in _OVERLAYS.items() if choices.pop(value))
     camera = Camera(follow=choices.pop("follow"), span=choices.pop("span"))
     given = {name: value for name, value in choices.items() if value is not None}
@@ -118,15 +114,6 @@ def _sources(run_files: tuple[str, ...], exact: bool) -> list[Run | March]:
         return [chosen_march()]
     runs = [load_run(file) for file in run_files]
     return [*runs, runs[0].march] if exact else [*runs]
-
-
-def _end(march: March, start: float) -> float:
-    """Default last time of a march, s: the first contact on a curve with an end, or 60 s after the start."""
-    if start < march.end < math.inf:
-        found = first_contact(march, start=start)
-        if found.status == "contact":
-            return found.time
-    return min(start + 60.0, march.end)
 
 
 def _refuse(what: str, *names: str) -> None:

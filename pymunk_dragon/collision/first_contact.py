@@ -4,8 +4,8 @@ The package's docstring has the method. The search uses the head's distance as i
 
 If all benches behind the head have the same size, few pairs need tests. Let s_i(t) be the arc-length coordinate of
 handle i. The rear handle of bench i is at s_{i+1} = g(s_i), with one function g for all benches behind the head
-(`model/continuation.py`; checked by `Continuation.alike`). So the poses of benches i and j > i depend on s_i only, and
-benches i - 1 and j - 1 have the same two poses whenever s_{i-1} has the same value, if i >= 2.
+(`model/continuation.py`; checked by `Continuation.is_one_function`). So the poses of benches i and j > i depend on s_i
+only, and benches i - 1 and j - 1 have the same two poses whenever s_{i-1} has the same value, if i >= 2.
 
 Claim: at the time t of a first contact some touching pair (i, j) has i <= 1 or s_i(t) < s_{i-1}(start). Proof: assume
 the contrary and take a touching pair, so i >= 2 and s_i(t) >= s_{i-1}(start). As s_i(t) < s_{i-1}(t) and s_{i-1} is
@@ -114,19 +114,19 @@ def first_contact(
     if progress is not None:
         function("progress", progress)
     march.handles_s(start)  # An error names the time of this march.
-    steady = march.steady()
+    unit = march.at_unit_speed()
     begin, end = march.distance([start, until]).tolist()
     # Not beyond the end of the curve by rounding.
     if until == march.end:
-        end = steady.end
+        end = unit.end
     elif until < march.end:
-        end = min(end, steady.end)
+        end = min(end, unit.end)
 
     def report(cleared: float) -> None:
         if progress is not None:
             progress(float(march.time(cleared)), until)
 
-    found = _Search(steady, begin, end).run(report)
+    found = _Search(unit, begin, end).run(report)
     # `start` and `until` are returned as they were passed.
     time = {begin: start, end: until}.get(found.time, float(march.time(found.time)))
     misses = [replace(miss, time=float(march.time(miss.time))) for miss in found.near_misses or ()]
@@ -156,7 +156,7 @@ class _Search:
             return self._result("overlapping", last, pair)
         # Whether all benches behind the head follow the same function g.
         heads = (march.head_start + march.distance([self._start, self._end])).tolist()
-        self._alike = dragon.alike and march.continuation.alike(*heads)
+        self._one_function = dragon.has_equal_benches and march.continuation.is_one_function(*heads)
         self._warm_up_end = self._end_of_warm_up()
         for times in self._batches():
             last = self._clear(times)
@@ -179,7 +179,7 @@ class _Search:
 
     def _end_of_warm_up(self) -> float:
         """Time by which each bench behind bench 1 has reached the start position of the bench before it, or the end."""
-        if not self._alike:
+        if not self._one_function:
             return self._end
         # 5 % more than a spacing, and 5 % more until the condition holds.
         wait = 1.05 * float(self._march.dragon.spacings[-1])
@@ -210,7 +210,7 @@ class _Search:
         if not intervals.begins.size:
             return last
         bounds = MotionBounds(march, intervals)
-        rows, pairs = bounds.candidates(self._near, np.where(self._alike, self._start_s, np.inf))
+        rows, pairs = bounds.candidates(self._near, np.where(self._one_function, self._start_s, np.inf))
         # Intervals that are cleared without a proof for rounding count in the resolution.
         self._resolution = max(self._resolution, UNPROVEN_ROUNDING * (not bounds.proven.all()))
         share = max(float(times[-1] - times[0]) / (self._end - self._start), _MIN_SHARE)
@@ -242,7 +242,7 @@ class _Search:
                 # The first time that a gap has a bound, and may be a near miss, its midpoint is kept as a sample.
                 fresh = np.isfinite(gaps) & ~sampled
                 sampled |= fresh
-                fresh &= (gaps <= self._near) & (pairs[:, 0] <= 1 if self._alike else True)
+                fresh &= (gaps <= self._near) & (pairs[:, 0] <= 1 if self._one_function else True)
                 lengths = np.full(rows.size, length)
                 small = np.column_stack([pairs, middles, lengths, found.distance, bounds.rounding[rows]])
                 self._small_gaps.append(small[fresh])

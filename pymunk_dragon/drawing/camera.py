@@ -7,7 +7,8 @@ from typing import Literal, get_args
 
 from pymunk_dragon._arguments import finite, word
 
-Subject = Literal["field", "head"]
+# What a camera follows.
+Target = Literal["field", "head"]
 
 # m: bounds of the width of a view, which detect lengths in another unit. The least shows less than two holes of a
 # bench, the largest more ground than the longest dragon covers.
@@ -33,10 +34,10 @@ class Camera:
     Camera(follow='head', span=8.0)
     """
 
-    follow: Subject = "field"
+    follow: Target = "field"
     span: float | None = None
 
     def __post_init__(self) -> None:
-        word("follow", self.follow, get_args(Subject))
+        word("follow", self.follow, get_args(Target))
         if self.span is not None:
             finite("span", self.span, *_SPANS, "m")

@@ -16,7 +16,7 @@ from PIL import Image, ImageDraw
 from pymunk_dragon._arguments import Array
 from pymunk_dragon.collision import Grid
 from pymunk_dragon.drawing.palette import BLOCK, COLOURS
-from pymunk_dragon.drawing.snapshots import Source, march_of
+from pymunk_dragon.drawing.snapshots import Snapshots
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.run import Run
@@ -44,14 +44,14 @@ class Layer:
     image: Image.Image
     centre: tuple[float, float]
     scale: float
-    source: Source
+    source: Snapshots
     time: float
     poses: Array
 
     @property
     def dragon(self) -> Dragon:
         """Dragon that is drawn."""
-        return march_of(self.source).dragon
+        return self.source.march.dragon
 
     def pixels(self, points: ArrayLike) -> Array:
         """Convert `points` (..., 2), m, to pixels right of and below the upper left corner."""
@@ -99,11 +99,11 @@ class _Overlay:
     below: bool = False
 
 
-def check_overlays(names: Collection[str], source: Source) -> None:
+def check_overlays(names: Collection[str], source: Snapshots) -> None:
     """Raise a ParameterError if the source has no data for one of the overlays with these names."""
     for name in names:
         needs = OVERLAYS[name].needs
-        if needs and getattr(source, needs, None) is None:
+        if needs and getattr(source.run, needs, None) is None:
             raise ParameterError("show", name, "left out: a march has no contacts, and only the engine has impulses")
 
 
@@ -112,14 +112,6 @@ def draw_overlays(layer: Layer, names: Collection[str], *, below: bool = False) 
     for name, overlay in OVERLAYS.items():
         if name in names and overlay.below == below:
             overlay.draw(layer)
-
-
-def _velocities(source: Source, time: float, poses: Array) -> Array:
-    """Return the velocities (N + 1, 2) of the handles of a source at a time, m/s."""
-    if not isinstance(source, Run):
-        return np.asarray(source.at([time]).velocities[0])
-    front, rear = source.march.dragon.hole_velocities(poses, source.pose_velocities_at([time])[0])
-    return np.concatenate([front, rear[-1:]])
 
 
 def _forces(run: Run, time: float) -> Array:
@@ -144,16 +136,17 @@ def _touches(run: Run, time: float) -> list[tuple[Sequence[Sequence[float]], Seq
 
 def _draw_velocities(layer: Layer) -> None:
     front, rear = layer.dragon.holes(layer.poses)
-    motion = _ARROW_TIME * _velocities(layer.source, layer.time, layer.poses)
+    motion = _ARROW_TIME * layer.source.velocities(layer.time, layer.poses)
     layer.arrows(np.concatenate([front, rear[-1:]]), motion)
 
 
 def _draw_impulses(layer: Layer) -> None:
-    assert isinstance(layer.source, Run)  # Marches are refused.
-    assert layer.source.joint_forces is not None
-    largest = float(layer.source.joint_forces.max(initial=0.0)) or 1.0
+    run = layer.source.run
+    assert run is not None  # Marches are refused.
+    assert run.joint_forces is not None
+    largest = float(run.joint_forces.max(initial=0.0)) or 1.0
     # The disc's area is proportional to the force, and so to the impulse in a substep.
-    shares = np.sqrt(_forces(layer.source, layer.time) / largest)
+    shares = np.sqrt(_forces(run, layer.time) / largest)
     radii = _DISC_RADIUS * float(layer.dragon.widths.min()) * layer.scale * shares
     _, rear = layer.dragon.holes(layer.poses)
     for centre, radius in zip(layer.pixels(rear[:-1]).tolist(), radii.tolist(), strict=True):
@@ -161,8 +154,8 @@ def _draw_impulses(layer: Layer) -> None:
 
 
 def _draw_contacts(layer: Layer) -> None:
-    assert isinstance(layer.source, Run)  # Marches are refused.
-    for points, normal in _touches(layer.source, layer.time):
+    assert layer.source.run is not None  # Marches are refused.
+    for points, normal in _touches(layer.source.run, layer.time):
         centres = layer.pixels(points)
         for centre in centres.tolist():
             layer.disc(centre, _CONTACT_RADIUS)
@@ -173,7 +166,7 @@ def _draw_contacts(layer: Layer) -> None:
 
 def _draw_grid(layer: Layer) -> None:
     """Tint the cells that contain a bench, and draw the lines between cells."""
-    grid, draw = Grid.of(march_of(layer.source)), ImageDraw.Draw(layer.image, "RGBA")
+    grid, draw = Grid.of(layer.source.march), ImageDraw.Draw(layer.image, "RGBA")
     cell, (left, top) = grid.cell * layer.scale, layer.pixels(grid.origin).tolist()
     if cell < _MIN_CELL_SIZE:
         return

@@ -14,7 +14,7 @@ from pymunk_dragon.collision import separation
 from pymunk_dragon.drawing import lettering
 from pymunk_dragon.drawing.marks import Layer, draw_overlays
 from pymunk_dragon.drawing.palette import BLOCK, COLOURS
-from pymunk_dragon.drawing.snapshots import SAMPLES, Source, march_of, states
+from pymunk_dragon.drawing.snapshots import SAMPLES, Snapshots
 from pymunk_dragon.model.contact import Contact
 from pymunk_dragon.model.dragon import Dragon, rectangles
 from pymunk_dragon.model.run import Run
@@ -54,7 +54,7 @@ class Scene:
     `beside` are drawn as arrows, enlarged by `factor`.
     """
 
-    source: Source
+    source: Snapshots
     follow: str
     centre: tuple[float, float]
     span: float
@@ -80,7 +80,7 @@ class Scene:
     def parts(self, times: Array) -> set[str]:
         """Return the kinds of benches in view at samples of `times` (F,): names of the palette's colours."""
         kinds, times = set[str](), np.linspace(times[0], times[-1], min(SAMPLES, len(times)))
-        for time, poses in states(self.source, times):
+        for time, poses in self.source.at(times):
             offsets = poses[:, :2] - (poses[0, :2] if self.follow == "head" else self.centre)
             seen = np.flatnonzero(np.all(np.abs(offsets) < np.array(self.size) / self.scale / 2, axis=1))
             special = _special(len(poses), self.contact if self.contact and time >= self.contact.time else None)
@@ -89,7 +89,7 @@ class Scene:
 
     def draw(self, time: float, poses: Array) -> Image.Image:
         """Draw the benches at `poses` (N, 3) and a time, s (mode RGB)."""
-        layer, march = self.layer(time, poses), march_of(self.source)
+        layer, march = self.layer(time, poses), self.source.march
         contact = self.contact if self.contact and time >= self.contact.time else None
         gap, bench, point = (np.inf, 0, None) if contact else _smallest_gap(march.dragon, poses)
         draw_overlays(layer, self.show, below=True)
@@ -124,7 +124,7 @@ class Scene:
     @cached_property
     def _curve(self) -> Array:
         """Points (P, 2), m, of the curve. The interval always includes the dragon's position at 0 s."""
-        march = march_of(self.source)
+        march = self.source.march
         first, last = march.span(min(self.times[0], 0.0), max(self.times[1], 0.0))
         points = min(int((last - first) * self.scale * BLOCK / _CURVE_STEP) + 2, _MAX_CURVE_POINTS)
         return march.curve.point(np.linspace(first, last, points))
@@ -145,7 +145,7 @@ class Scene:
         for first, last in borders.reshape(-1, 2).tolist():
             points = np.floor(layer.pixels(self._curve[first:last])).ravel().tolist()
             draw.line(points, fill=COLOURS.curve, width=curve_width)
-        for x, y, radius in march_of(self.source).curve.circles:
+        for x, y, radius in self.source.march.curve.circles:
             draw.circle(layer.pixels((x, y)).tolist(), radius * layer.scale, outline=COLOURS.ink, width=BLOCK)
         return layer
 

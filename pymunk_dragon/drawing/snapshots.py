@@ -1,14 +1,13 @@
-"""What pictures and films are drawn from: runs and exact marches, at any times."""
+"""What pictures and films are drawn from: the states of runs and exact marches at any times."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from pymunk_dragon._arguments import Array
-from pymunk_dragon.collision import FirstContact, first_contact
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 
@@ -16,27 +15,40 @@ Source = Run | March
 
 # Frames whose poses are computed at once: enough to amortise the cost of a call, few enough to limit memory.
 _CHUNK_FRAMES = 32
-# s: margin by which the search for a contact at the end of a film extends beyond the end.
-_CONTACT_MARGIN = 1e-6
 # Times at which the extent of a dragon, and the benches in view, are sampled.
 SAMPLES = 64
 
 
-def march_of(source: Source) -> March:
-    """Return the march of a run, or a march itself."""
-    return source.march if isinstance(source, Run) else source
+@dataclass(frozen=True, kw_only=True)
+class Snapshots:
+    """States of a march at any times: those of `run`, or exact ones if it is None."""
 
+    march: March
+    run: Run | None = None
 
-def first_contact_until(march: March, start: float, until: float) -> FirstContact:
-    """Search for the first contact of the exact model from `start` to `until`, s, including a contact at `until`."""
-    found = first_contact(march, start=start, until=min(until + _CONTACT_MARGIN, march.end))
-    return replace(found, time=min(found.time, until))
-
-
-def states(source: Source, times: Array) -> Iterator[tuple[float, Array]]:
-    """Yield each of the `times` (F,), s, and the poses (N, 3) then; before and after a run, its first and last time."""
-    for chunk in np.split(times, range(_CHUNK_FRAMES, len(times), _CHUNK_FRAMES)):
+    @classmethod
+    def of(cls, source: Source) -> Snapshots:
+        """Return the states of a run or of an exact march."""
         if isinstance(source, Run):
-            chunk = np.clip(chunk, source.times[0], source.times[-1])
-        poses = source.poses_at(chunk) if isinstance(source, Run) else source.at(chunk).poses
-        yield from zip(chunk.tolist(), poses, strict=True)
+            return cls(march=source.march, run=source)
+        return cls(march=source)
+
+    def at(self, times: Array) -> Iterator[tuple[float, Array]]:
+        """Yield each of the `times` (F,), s, and the poses (N, 3) then.
+
+        Before and after a run, these are its first and last time.
+        """
+        for chunk in np.split(times, range(_CHUNK_FRAMES, len(times), _CHUNK_FRAMES)):
+            if self.run is None:
+                poses = self.march.at(chunk).poses
+            else:
+                chunk = np.clip(chunk, self.run.times[0], self.run.times[-1])
+                poses = self.run.poses_at(chunk)
+            yield from zip(chunk.tolist(), poses, strict=True)
+
+    def velocities(self, time: float, poses: Array) -> Array:
+        """Return the velocities (N + 1, 2) of the handles at a time, s, with the `poses` (N, 3) then, m/s."""
+        if self.run is None:
+            return np.asarray(self.march.at([time]).velocities[0])
+        front, rear = self.march.dragon.hole_velocities(poses, self.run.pose_velocities_at([time])[0])
+        return np.concatenate([front, rear[-1:]])

@@ -102,7 +102,7 @@ class Continuation:
             lows[rows, i + 1], highs[rows, i + 1] = low - hidden, high + hidden
         return lows, highs
 
-    def alike(self, low: float, high: float) -> bool:
+    def is_one_function(self, low: float, high: float) -> bool:
         """Whether all benches behind bench 0 are the same function while the head stays between `low` and `high`, m."""
         if np.unique(self._spacings[1:]).size > 1:
             return False

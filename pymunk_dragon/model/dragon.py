@@ -130,7 +130,7 @@ class Dragon:
         return read_only(self.spacings + 2 * self.overhangs)
 
     @cached_property
-    def alike(self) -> bool:
+    def has_equal_benches(self) -> bool:
         """Whether all benches but the head have the same sizes: each then passes where the one before it passed."""
         sizes = np.stack([self.spacings, self.overhangs, self.widths])[:, 1:]
         return bool(np.all(sizes == sizes[:, :1]))

@@ -230,7 +230,7 @@ class March:
         """The states that continuous motion from t = 0 reaches."""
         return Continuation(self.curve, self.head_start, self.dragon.spacings)
 
-    def steady(self) -> March:
+    def at_unit_speed(self) -> March:
         """The same march at 1 m/s: its times are the distances travelled, m. It is not for use in another thread."""
         march = March(self.dragon, self.curve, start_s=self.head_start)
         # Neither follows the curve again where the other one has.

@@ -78,7 +78,7 @@ class DragonScene(Scene):
         if pitch := getattr(self.march.curve, "pitch", None):
             low, high = float(dragon.widths.max()) * 1.05, 3 * max(pitch, 0.55)
             found.append(Slider("pitch", low, high, pitch, label="Pitch", unit="m", rebuilds=True))
-        if dragon.alike and isinstance(dragon.width, float):
+        if dragon.has_equal_benches and isinstance(dragon.width, float):
             high = min(pitch or 0.6, 0.6) * 0.95
             found.append(slider_around("width", 0.05, high, dragon.width, label="Width", unit="m", rebuilds=True))
             found.append(

@@ -179,7 +179,7 @@ def max_speed(
     dragon = checked_dragon(dragon)
     function("progress", progress)
     limit = finite("limit", limit, MIN_SPEED, MAX_SPEED, "m/s")
-    if not dragon.alike:
+    if not dragon.has_equal_benches:
         raise ParameterError("dragon", dragon, "one whose benches but the head are alike")
     curve = UTurn(pitch=pitch, radius=radius, ratio=ratio)
     found, excess = _largest_ratio(dragon, curve, curve.radius)

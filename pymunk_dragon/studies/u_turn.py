@@ -272,7 +272,7 @@ class _Peak(NamedTuple):
 
 def _peak(dragon: Dragon, path: Composite, turn: UTurn) -> _Peak:
     """Largest ratio on a path; `ParameterError` or `UnreachableError` if a handle is pushed back or has no position."""
-    if dragon.alike:
+    if dragon.has_equal_benches:
         return _Peak(*certified_ratio(dragon, path, turn.radius))
     ratio = _sampled_ratio(path, _followed(turn, dragon))
     if not math.isfinite(ratio):

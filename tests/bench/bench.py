@@ -34,7 +34,9 @@ from pymunk_dragon._arguments import Array
 from pymunk_dragon._extras import library
 from pymunk_dragon.drawing import render
 from pymunk_dragon.drawing.debug_draw import PillowDrawOptions
-from pymunk_dragon.drawing.film.layout import Canvas
+from pymunk_dragon.drawing.film.layout import Layout
+from pymunk_dragon.drawing.film.take import checked_sources, takes_of_film
+from pymunk_dragon.drawing.film.timing import frame_times
 from pymunk_dragon.drawing.palette import Palette
 from pymunk_dragon.physics import simulate
 from pymunk_dragon.player import write_player
@@ -232,13 +234,15 @@ def pile_up() -> None:
 
 def imageio_rgb(run: Run, film: Film, path: Path) -> None:
     """The default of imageio: a stack of RGB frames, drawn as ours are."""
-    stack = np.stack([np.asarray(frame) for frame in Canvas([run], film.timing([run]).times, film).frames()])
+    takes = takes_of_film(checked_sources(run), film)
+    layout = Layout(takes, frame_times(takes, film).times, film)
+    stack = np.stack([np.asarray(frame) for frame in layout.frames()])
     imageio.imwrite(path, stack, duration=1000 / FPS, loop=0)
 
 
 def matplotlib_animation(run: Run, film: Film, path: Path) -> None:
     """FuncAnimation and PillowWriter of matplotlib with axes and a title, as they come."""
-    times = film.timing([run]).times
+    times = frame_times(takes_of_film(checked_sources(run), film), film).times
     march, palette = run.march, Palette()
     figure = Figure(figsize=(SIZE / 100, SIZE / 100), dpi=100)
     axes = figure.add_subplot(aspect="equal", xlim=(-11.5, 11.5), ylim=(-11.5, 11.5))

@@ -191,7 +191,7 @@ CALLS = {
     "March.time": (MARCH.time, {"distances": TIMES}),
     "March.span": (MARCH.span, {"start": FLOAT, "until": FLOAT}),
     "March.speeds_by_difference": (SPIRAL.speeds_by_difference, {"times": TIMES, "step": (0.1, "number")}),
-    "March.steady": (MARCH.steady, {}),
+    "March.at_unit_speed": (MARCH.at_unit_speed, {}),
     "States.to_dict": (MARCH.at(TIMES[0]).to_dict, {"handles": ([1], "array list none")}),
     "States.rows": (MARCH.at(TIMES[0]).rows, {"handles": ([1], "array list none")}),
     "States.text": (MARCH.at(TIMES[0]).text, {"handles": ([1], "array list none")}),
@@ -273,8 +273,6 @@ CALLS = {
     "Camera": (Camera, {"follow": ("head", "text"), "span": OPTIONAL}),
     "Film": (Film, FILM),
     "Film.texts": (Film().texts, {"headings": (("x",), "empty texts")}),
-    "Film.timing": (Film(speedup=1.0).timing, {"sources": ([RUN], "")}),
-    "Film.window": (Film().window, {"sources": ([RUN], "")}),
     "render": (
         render,
         {"source": (RUN, ""), "path": file(".png"), "film": (None, "none"), "progress": PROGRESS, **FILM},

@@ -31,8 +31,8 @@ from PIL import Image
 from pymunk_dragon._arguments import instance, word
 from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon.drawing import STILL_ENDINGS, render
-from pymunk_dragon.drawing.figures.charts import FIGURES, Kind
-from pymunk_dragon.drawing.figures.style import Subject, styled
+from pymunk_dragon.drawing.figures.charts import FIGURES, NamedFigure
+from pymunk_dragon.drawing.figures.style import FigureSource, styled
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
@@ -78,10 +78,10 @@ def figure(name: str, source: Run | March | None = None) -> Figure:
     >>> figure("speeds", March(Dragon(benches=16), turns=8)).axes[0].get_xlabel()
     'handle, from the head to the tail'
     """
-    kind = FIGURES[word("figure", name, FIGURES)]
-    if kind.still:
+    named = FIGURES[word("figure", name, FIGURES)]
+    if named.still:
         raise ParameterError("figure", name, "one with axes, or written by `write_figure`")
-    return styled_figure(lambda: kind.draw(_subject(kind, source)))
+    return styled_figure(lambda: named.draw(_figure_source(named, source)))
 
 
 def styled_figure(draw: Callable[[], Figure]) -> Figure:
@@ -101,13 +101,13 @@ def write_figure(name: str, path: str | Path, source: Run | March | None = None)
     >>> from pymunk_dragon.drawing.figures import write_figure
     >>> write_figure("spiral", "spiral.svg")
     """
-    kind = FIGURES[word("figure", name, FIGURES)]
-    destination = check_destination(path, STILL_ENDINGS if kind.still else _FIGURE_ENDINGS)
-    if kind.still:
-        run, film = kind.draw(_subject(kind, source))
+    named = FIGURES[word("figure", name, FIGURES)]
+    destination = check_destination(path, STILL_ENDINGS if named.still else _FIGURE_ENDINGS)
+    if named.still:
+        run, film = named.draw(_figure_source(named, source))
         render(run, destination, film)
     else:
-        write_styled(lambda: kind.draw(_subject(kind, source)), destination)
+        write_styled(lambda: named.draw(_figure_source(named, source)), destination)
 
 
 def write_styled(draw: Callable[[], Figure], path: str | Path) -> None:
@@ -138,15 +138,15 @@ def _laid_out(drawn: Figure) -> Figure:
     return drawn
 
 
-def _subject(kind: Kind, source: Run | March | None) -> Subject:
+def _figure_source(named: NamedFigure, source: Run | March | None) -> FigureSource:
     """Return what is drawn of a source: a march to the end of its curve, or for the times of a run."""
     if isinstance(source, Run):
         if np.isfinite(source.march.end):
-            return Subject(source.march, run=source)
+            return FigureSource(source.march, run=source)
         start, until = source.times[[0, -1]].tolist()
-        return Subject(source.march, start, until, run=source)
-    march = March(Dragon(benches=kind.benches)) if source is None else source
+        return FigureSource(source.march, start, until, run=source)
+    march = March(Dragon(benches=named.benches)) if source is None else source
     instance("source", march, March, "a run or a march")
     if not np.isfinite(march.end):
         raise ParameterError("march", "one on a curve without end", "a run, which defines the time interval")
-    return Subject(march)
+    return FigureSource(march)

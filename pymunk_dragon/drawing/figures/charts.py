@@ -27,18 +27,18 @@ _GAP_LENGTHS = 4.5
 
 
 @dataclass(frozen=True)
-class Kind:
+class NamedFigure:
     """What a figure shows, its function, the number of benches, and whether it is a `still`, of a run and a film."""
 
     shows: str
-    draw: Callable[[style.Subject], Any]
+    draw: Callable[[style.FigureSource], Any]
     benches: int = 223
     still: bool = False
 
 
-def _spiral(subject: style.Subject) -> Figure:
+def _spiral(source: style.FigureSource) -> Figure:
     """Draw the spiral that handle 0 follows (the paper's figure 2)."""
-    march, end = subject.march, subject.hit.time
+    march, end = source.march, source.hit.time
     curve, start = march.curve, march.head_start
     turns = curve.turns(start)
     if turns is None or curve.end_s == np.inf:
@@ -50,10 +50,10 @@ def _spiral(subject: style.Subject) -> Figure:
     # At most ten whole minutes.
     minutes = np.arange(0, end / 60, max(1, np.ceil(end / 600)))
     dots = curve.point(start + march.distance(60 * minutes))
-    walked, rest = subject.path(start, start + gone), subject.path(start + gone, curve.end_s)
+    walked, rest = source.path(start, start + gone), source.path(start + gone, curve.end_s)
     axes.plot(*walked.T, color=style.BLUE, lw=1.8, gid="walked", label=text("the march of handle 0"))
     axes.plot(*dots.T, "o", color=style.COLOURS.ink, ms=13, gid="minutes", label=text("numbers: minutes"))
-    axes.plot(*walked[-1], "o", color=style.COLOURS.contact, ms=8, gid="last", label=subject.end)
+    axes.plot(*walked[-1], "o", color=style.COLOURS.contact, ms=8, gid="last", label=source.end)
     axes.plot(*rest.T, color=style.QUIET, lw=1.0, ls="--", gid="ahead", label=text("not reached"))
     for minute, (x, y) in zip(minutes, dots.tolist(), strict=True):
         axes.text(x, y, f"{minute:g}", ha="center", va="center", color=style.COLOURS.background, size=style.SMALL)
@@ -62,21 +62,21 @@ def _spiral(subject: style.Subject) -> Figure:
     return figure
 
 
-def _trajectories(subject: style.Subject) -> Figure:
+def _trajectories(source: style.FigureSource) -> Figure:
     """Draw the trajectories of the paper's seven handles until the first contact (its figure 7)."""
-    handles, ink = subject.march.dragon.representatives, style.COLOURS.ink
-    first, last = subject.march.handles_s([subject.begin, subject.hit.time])
-    whole = subject.path(first[-1], last[0], 900)
+    handles, ink = source.march.dragon.representatives, style.COLOURS.ink
+    first, last = source.march.handles_s([source.begin, source.hit.time])
+    whole = source.path(first[-1], last[0], 900)
     title = text("All handles walk the same path, one behind the other")
     subtitle = text("from {:g} s to {}; the path is {:.3g} m wide and {:.3g} m high")
-    figure = style.slide(title, subtitle.format(subject.begin, subject.end, *np.ptp(whole, axis=0)))
+    figure = style.slide(title, subtitle.format(source.begin, source.end, *np.ptp(whole, axis=0)))
     cells = list(style.panels(figure, rows=-(-(len(handles) + 1) // 4), columns=4).flat)
     for axes in cells:
         axes.set_aspect("equal")
         axes.margins(0.04)
         axes.set_axis_off()
     for axes, handle in zip(cells, handles, strict=False):
-        path = subject.path(first[handle], last[handle], 900)
+        path = source.path(first[handle], last[handle], 900)
         axes.plot(*whole.T, color=style.PALE, lw=0.4)
         axes.plot(*path.T, color=style.BLUE, lw=1.0, gid=f"path-{handle}")
         start = axes.plot(*path[0], "o", color=ink, mfc=style.COLOURS.background, ms=6, label=text("at the start"))
@@ -86,14 +86,14 @@ def _trajectories(subject: style.Subject) -> Figure:
     return figure
 
 
-def _velocities(subject: style.Subject) -> Figure:
+def _velocities(source: style.FigureSource) -> Figure:
     """Draw the velocities of the paper's seven handles at the first contact (its figure 8)."""
-    time, handles = subject.last_regular_time, subject.march.dragon.representatives
-    states = subject.march.at(time)
+    time, handles = source.last_regular_time, source.march.dragon.representatives
+    states = source.march.at(time)
     title = text("The velocities of {} handles at {:.2f} s").format(len(handles), time)
     figure = style.slide(title, text("each handle walks along the curve"))
     axes = style.panels(figure)
-    path = subject.path(states.handles_s[0, -1], states.handles_s[0, 0])
+    path = source.path(states.handles_s[0, -1], states.handles_s[0, 0])
     axes.plot(*path.T, color=style.PALE, lw=0.8)
     for handle in handles:
         position, velocity, speed = (each[0, handle] for each in (states.positions, states.velocities, states.speeds))
@@ -108,17 +108,17 @@ def _velocities(subject: style.Subject) -> Figure:
     return figure
 
 
-def _grid(subject: style.Subject) -> Figure:
+def _grid(source: style.FigureSource) -> Figure:
     """Draw the grid partition at the first contact, and the benches in its cells (the paper's figure 6)."""
     from matplotlib.colors import ListedColormap
     from matplotlib.patches import Patch
 
-    hit, dragon, cells = subject.hit, subject.march.dragon, Grid.of(subject.march)
-    corners = dragon.outlines(subject.march.at(hit.time).poses[0])
+    hit, dragon, cells = source.hit, source.march.dragon, Grid.of(source.march)
+    corners = dragon.outlines(source.march.at(hit.time).poses[0])
     title = text("{} of {} pairs of benches that share no hole share a cell, and are tested")
     title = title.format(len(cells.pairs(corners)), (dragon.benches - 1) * (dragon.benches - 2) // 2)
     origin = "({:g}, {:g})".format(*cells.origin).replace("-", "\u2212")
-    subtitle = text("{}; cells of {:g} m, counted from {} m").format(subject.end, cells.cell, origin)
+    subtitle = text("{}; cells of {:g} m, counted from {} m").format(source.end, cells.cell, origin)
     figure = style.slide(title, subtitle)
     axes = style.panels(figure)
     # Cells around the benches. 0: empty; 1: one bench; 2: neighbours; 3: benches that are not neighbours.
@@ -149,44 +149,44 @@ def _grid(subject: style.Subject) -> Figure:
     return figure
 
 
-def _outer_loop(subject: style.Subject) -> tuple[Run, Film]:
+def _outer_loop(source: style.FigureSource) -> tuple[Run, Film]:
     """Return the run and the film parameters of the picture of the dragon at its start."""
-    return _still(subject, subject.begin, text("{} benches at the start"))
+    return _still(source, source.begin, text("{} benches at the start"))
 
 
-def _inward(subject: style.Subject) -> tuple[Run, Film]:
+def _inward(source: style.FigureSource) -> tuple[Run, Film]:
     """Return the same as it closes a full loop: its path turns by 2 pi between tail and head."""
-    times = np.linspace(subject.begin, subject.hit.time, 2001)
-    tangents = subject.march.curve.tangent(subject.march.handles_s(times))
+    times = np.linspace(source.begin, source.hit.time, 2001)
+    tangents = source.march.curve.tangent(source.march.handles_s(times))
     angles = np.unwrap(np.arctan2(tangents[..., 1], tangents[..., 0]), axis=1)
     closed = np.abs(angles[:, 0] - angles[:, -1]) >= 2 * np.pi
     # Half-way if the loop is always or never closed.
-    return _still(subject, float(times[closed.argmax() or 1000]), text("{} benches on the path"))
+    return _still(source, float(times[closed.argmax() or 1000]), text("{} benches on the path"))
 
 
-def _collision(subject: style.Subject) -> tuple[Run, Film]:
+def _collision(source: style.FigureSource) -> tuple[Run, Film]:
     """Return the same at the first contact."""
-    hit = subject.hit
+    hit = source.hit
     if hit.contact is None:
         raise ParameterError("march", f"clear until {hit.time:g} s", "one that runs into itself")
-    run, film = _still(subject, hit.time, text("{} benches at the first contact"))
+    run, film = _still(source, hit.time, text("{} benches at the first contact"))
     return replace(run, first_contact=hit.contact, outcome="contact"), film
 
 
-def _still(subject: style.Subject, time: float, title: str) -> tuple[Run, Film]:
+def _still(source: style.FigureSource, time: float, title: str) -> tuple[Run, Film]:
     """Return a run of one frame, and the parameters of its picture; the title has the number of benches."""
     # Pixels: twice the width at which two or three pictures fit side by side.
-    film = Film(size=880, title=title.format(subject.march.dragon.benches))
-    return Run.exact(subject.march, [time]), film
+    film = Film(size=880, title=title.format(source.march.dragon.benches))
+    return Run.exact(source.march, [time]), film
 
 
-def _gap(subject: style.Subject) -> Figure:
+def _gap(source: style.FigureSource) -> Figure:
     """Draw the gap between the head and the benches that it passes at last, on a logarithmic scale."""
-    march, hit = subject.march, subject.hit
+    march, hit = source.march, source.hit
     if march.dragon.benches < 3:
         raise ParameterError("benches", march.dragon.benches, "3 or more: neighbours have no gap")
     since = float(march.time(march.distance(hit.time) - _GAP_LENGTHS * march.dragon.lengths[0]))
-    since = max(subject.begin, since)
+    since = max(source.begin, since)
     misses = [miss for miss in hit.near_misses or () if miss.benches[0] == 0 and miss.time > since]
     subtitle = text("gap between the head and the nearest bench but its neighbour; dashed: to each bench by itself")
     figure = style.slide(text("How near the head comes to other benches than its neighbour"), subtitle)
@@ -213,21 +213,21 @@ def _gap(subject: style.Subject) -> Figure:
     return figure
 
 
-def _speeds(subject: style.Subject) -> Figure:
+def _speeds(source: style.FigureSource) -> Figure:
     """Draw the speed along the dragon at several times."""
-    times = _several_times(subject.begin, subject.last_regular_time)
-    values = subject.march.at(times).speeds
+    times = _several_times(source.begin, source.last_regular_time)
+    values = source.march.at(times).speeds
     title = text("The handles go at {:.3f} to {:.3f} m/s").format(values.min(), values.max())
     figure = style.slide(title, text("speed of every handle at several times, m/s"))
     _bundle(style.panels(figure), values, times, "speed", text("handle, from the head to the tail"))
     return figure
 
 
-def _drift(subject: style.Subject) -> Figure:
+def _drift(source: style.FigureSource) -> Figure:
     """Draw the engine's position error against the exact model over time."""
     from matplotlib.ticker import EngFormatter
 
-    run = subject.run
+    run = source.run
     if run is None or len(run.times) == 1 or not run.max_drift > 0:
         raise ParameterError("run", run and "one without position errors", "a run of `simulate`")
     metres = EngFormatter("m", places=1)
@@ -242,7 +242,7 @@ def _drift(subject: style.Subject) -> Figure:
     axes.plot(run.times[frames], worst[1], color=style.AMBER, lw=2.2, ls="--", gid="first-benches", label=some)
     high = 10.0 ** np.ceil(np.log10(run.max_drift))
     # An engine with a position error as large as the smallest gap can find the wrong first contact.
-    gaps = [miss.gap for miss in subject.hit.near_misses or () if run.times[0] <= miss.time <= run.times[-1]]
+    gaps = [miss.gap for miss in source.hit.near_misses or () if run.times[0] <= miss.time <= run.times[-1]]
     if gaps:
         note = text("smallest gap: {}").format(metres(min(gaps)))
         axes.axhline(min(gaps), color=style.COLOURS.ink, lw=1.2, ls=":", gid="smallest-gap", label=note)
@@ -252,9 +252,9 @@ def _drift(subject: style.Subject) -> Figure:
     return figure
 
 
-def _impulses(subject: style.Subject) -> Figure:
+def _impulses(source: style.FigureSource) -> Figure:
     """Draw the force in every joint at several times: the mean over a substep."""
-    run = subject.run
+    run = source.run
     if run is None or run.joint_forces is None or run.substep is None:
         raise ParameterError("run", run and "one without forces in joints", "a run of `simulate`")
     # The frame of the contact follows a shortened substep, in which the joint solver has not converged.
@@ -294,16 +294,16 @@ def _bundle(axes: Axes, values: Array, times: Array, gid: str, along: str) -> No
 
 
 # All figures by name. 16 benches are the paper's small model, which closes a full loop before its first contact.
-FIGURES: Mapping[str, Kind] = {
-    "spiral": Kind("the spiral that handle 0 walks (the paper's figure 2)", _spiral),
-    "outer-loop": Kind("16 benches on the outer loop (figure 3)", _outer_loop, 16, still=True),
-    "inward": Kind("16 benches as they close a full loop (figure 4)", _inward, 16, still=True),
-    "collision": Kind("16 benches at their first contact (figure 5)", _collision, 16, still=True),
-    "grid": Kind("which benches are filed in which cells (figure 6)", _grid, 16),
-    "trajectories": Kind("the trajectories of seven handles (figure 7)", _trajectories),
-    "velocities": Kind("the velocities of seven handles (figure 8)", _velocities),
-    "gap": Kind("how near the head comes to the benches that it passes", _gap),
-    "speeds": Kind("speed along the dragon at several times", _speeds),
-    "drift": Kind("how far the engine is from the exact model", _drift),
-    "impulses": Kind("forces in the joints of a run of the engine", _impulses),
+FIGURES: Mapping[str, NamedFigure] = {
+    "spiral": NamedFigure("the spiral that handle 0 walks (the paper's figure 2)", _spiral),
+    "outer-loop": NamedFigure("16 benches on the outer loop (figure 3)", _outer_loop, 16, still=True),
+    "inward": NamedFigure("16 benches as they close a full loop (figure 4)", _inward, 16, still=True),
+    "collision": NamedFigure("16 benches at their first contact (figure 5)", _collision, 16, still=True),
+    "grid": NamedFigure("which benches are filed in which cells (figure 6)", _grid, 16),
+    "trajectories": NamedFigure("the trajectories of seven handles (figure 7)", _trajectories),
+    "velocities": NamedFigure("the velocities of seven handles (figure 8)", _velocities),
+    "gap": NamedFigure("how near the head comes to the benches that it passes", _gap),
+    "speeds": NamedFigure("speed along the dragon at several times", _speeds),
+    "drift": NamedFigure("how far the engine is from the exact model", _drift),
+    "impulses": NamedFigure("forces in the joints of a run of the engine", _impulses),
 }

@@ -157,7 +157,7 @@ def logarithmic(axes: Axes, unit: str, low: float, high: float) -> None:
 
 
 @dataclass(frozen=True)
-class Subject:
+class FigureSource:
     """A march from `begin` to `until`, s, or to the end of its curve; and the run that it was taken from, if any."""
 
     march: March

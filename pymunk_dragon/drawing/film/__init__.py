@@ -1,7 +1,8 @@
 """Films of a run or march, or of several side by side, and pictures of one time.
 
-A film passes through these modules: `settings` (parameters) with `timing` (times of the frames), `layout` (arranges the
-scenes, which draw the states of a source at these times), and `formats` (file).
+A film passes through these modules: `settings` (parameters), `take` (what the film shows of each source), `timing`
+(times of the frames), `layout` (arranges the scenes, which draw the states of a source at these times), and `formats`
+(file).
 """
 
 from __future__ import annotations
@@ -18,9 +19,10 @@ from PIL import Image
 from pymunk_dragon._arguments import finite, function, instance
 from pymunk_dragon._files import check_destination, passed_on, written_in_place
 from pymunk_dragon.drawing.film.formats import WRITERS, Frames, written_size
-from pymunk_dragon.drawing.film.layout import Canvas
-from pymunk_dragon.drawing.film.settings import Film, checked_sources, shared_window
-from pymunk_dragon.drawing.film.timing import Timing
+from pymunk_dragon.drawing.film.layout import Layout
+from pymunk_dragon.drawing.film.settings import Film
+from pymunk_dragon.drawing.film.take import checked_sources, shared_window, takes_in, takes_of_film
+from pymunk_dragon.drawing.film.timing import Timing, frame_times
 from pymunk_dragon.drawing.snapshots import Source
 
 # All endings of films and of still pictures, in lower case.
@@ -40,6 +42,7 @@ def render(
     ----------
     source : Run or March, or a sequence of them
         Several sources are shown side by side at the same simulated time; a run that has ended keeps its last frame.
+        Without `until`, a march is shown until its first contact.
     path : path
         File to write: .gif, or .mp4 with the extra `mp4`; a picture is .png. If writing is
         interrupted, an old file is kept and no incomplete file is left.
@@ -82,15 +85,15 @@ def render(
     sources = checked_sources(source)
     destination = check_destination(path, (*FILM_ENDINGS, *STILL_ENDINGS))
     ending = destination.suffix.lower()
-    if ending in STILL_ENDINGS:
-        film = replace(film, start=film.window(sources)[1])
-    timing = film.timing(sources)
-    canvas = Canvas(sources, timing.times, film)
-    pictures = passed_on(canvas.frames() if ending in STILL_ENDINGS else canvas.pictures(progress))
-    size = written_size(ending, canvas.size)
+    still = ending in STILL_ENDINGS
+    takes = takes_of_film(sources, film, still=still)
+    timing = frame_times(takes, film)
+    layout = Layout(takes, timing.times, film)
+    pictures = passed_on(layout.frames() if still else layout.pictures(progress))
+    size = written_size(ending, layout.size)
     frames = Frames(pictures=pictures, ends=timing.ends.tolist(), size=size, fps=timing.fps)
     with written_in_place(destination) as draft:
-        if ending in STILL_ENDINGS:
+        if still:
             draft.write_bytes(_png(next(pictures)))
         else:
             WRITERS[ending](draft, frames)
@@ -118,7 +121,9 @@ def still_png(source: Source | Sequence[Source], time: float, film: Film | None 
     """
     sources = checked_sources(source)
     finite("time", time, *shared_window(sources), "s")
-    return _png(next(Canvas(sources, np.array([time], dtype=float), _checked(film)).frames()))
+    film = _checked(film)
+    layout = Layout(takes_in((time, time), sources, film), np.array([time], dtype=float), film)
+    return _png(next(layout.frames()))
 
 
 def _checked(film: Film | None) -> Film:

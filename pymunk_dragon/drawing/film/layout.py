@@ -13,12 +13,12 @@ from pymunk_dragon._arguments import Array
 from pymunk_dragon._language import text
 from pymunk_dragon.drawing import lettering
 from pymunk_dragon.drawing.film.settings import Film
+from pymunk_dragon.drawing.film.take import Take
 from pymunk_dragon.drawing.marks import check_overlays
 from pymunk_dragon.drawing.palette import COLOURS, colour_table
 from pymunk_dragon.drawing.scene import Scene, text_height
-from pymunk_dragon.drawing.snapshots import SAMPLES, Source, first_contact_until, march_of, states
+from pymunk_dragon.drawing.snapshots import SAMPLES
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 
 # Widths of the head bench in a view that follows it: 6 m for the paper's 0.3 m, which shows the head's turn of the
@@ -38,18 +38,18 @@ _MAX_HEIGHT = 16_384
 _MAX_SCALE_BAR = 0.2
 
 
-class Canvas:
-    """Surface on which the frames of a film are drawn: scenes, and texts around them; `size` is its size in pixels.
+class Layout:
+    """Scenes of a film side by side, with texts around them, from which frames of the `size` are drawn, pixels.
 
     Pictures side by side are compared, so they have one scale. A long title or caption is wrapped, a long heading
     cropped. A `ParameterError` is raised if a source has no data for an overlay, or the font lacks a character.
     """
 
-    def __init__(self, sources: Sequence[Source], times: Array, film: Film) -> None:
+    def __init__(self, takes: Sequence[Take], times: Array, film: Film) -> None:
         (width, height), letters = film.shape, text_height(film.shape)
-        self._times, self.scenes = times, _scenes(sources, times, film)
-        self._lefts = range(0, len(sources) * (width + _GUTTER), width + _GUTTER)
-        total, headings = self._lefts[-1] + width, _headings(sources, film)
+        self._times, self.scenes = times, _scenes(takes, times, film)
+        self._lefts = range(0, len(takes) * (width + _GUTTER), width + _GUTTER)
+        total, headings = self._lefts[-1] + width, _headings(takes, film)
         for name, given in film.texts(headings):
             lettering.check(name, given)
         above = lettering.wrapped(film.title, round(_TITLE_SCALE * letters), total)
@@ -71,7 +71,7 @@ class Canvas:
 
     def frames(self) -> Iterator[Image.Image]:
         """Draw the frames (mode RGB)."""
-        for shown in zip(*(states(scene.source, self._times) for scene in self.scenes), strict=True):
+        for shown in zip(*(scene.source.at(self._times) for scene in self.scenes), strict=True):
             frame = self._frame.copy()
             for scene, (time, poses), left in zip(self.scenes, shown, self._lefts, strict=True):
                 frame.paste(scene.draw(time, poses), (left, self._top))
@@ -87,30 +87,26 @@ class Canvas:
                 progress(done, len(self._times))
 
 
-def _scenes(sources: Sequence[Source], times: Array, film: Film) -> list[Scene]:
-    """Return the scene of each source. A march beside its run shows the position errors of the run."""
-    scenes, (centre, span) = [], _field(sources, times, film)
-    follow, runs = film.camera.follow, [source for source in sources if isinstance(source, Run)]
-    for source in sources:
-        check_overlays(film.show, source)
-        beside = next((run for run in runs if run.march is source), None)
-        run = source if isinstance(source, Run) else beside
-        first, last = (run.times if run else times)[[0, -1]].tolist()
-        if isinstance(source, Run):
-            contact = source.first_contact
-        else:
-            contact = first_contact_until(source, first, last).contact if first < last else None
+def _scenes(takes: Sequence[Take], times: Array, film: Film) -> list[Scene]:
+    """Return the scene of each take. A march beside its run shows the position errors of the run."""
+    scenes = []
+    centre, span = _field(takes, times, film)
+    follow = film.camera.follow
+    for take in takes:
+        check_overlays(film.show, take)
+        run = take.run or take.beside
+        first, last = (times if run is None else run.times)[[0, -1]].tolist()
         scene = Scene(
-            source=source,
+            source=take,
             follow=follow,
             centre=centre,
             span=span,
             size=film.shape,
             show=film.show,
             times=(first, last),
-            contact=contact,
-            beside=beside,
-            factor=_magnification(beside, follow) if beside else None,
+            contact=take.contact,
+            beside=take.beside,
+            factor=None if take.beside is None else _magnification(take.beside, follow),
         )
         scenes.append(scene)
     return scenes
@@ -126,12 +122,12 @@ def _magnification(run: Run, follow: str) -> float | None:
     return max(1.0, float(f"{length.min() / error:.0e}")) if error > 0 else None
 
 
-def _field(sources: Sequence[Source], times: Array, film: Film) -> tuple[tuple[float, float], float]:
+def _field(takes: Sequence[Take], times: Array, film: Film) -> tuple[tuple[float, float], float]:
     """Return the centre, m, and the width, m, of the ground in view, with two lines free for texts."""
     if film.camera.follow == "head":
-        widest = max(float(march_of(source).dragon.widths[0]) for source in sources)
+        widest = max(float(take.march.dragon.widths[0]) for take in takes)
         return (0.0, 0.0), film.camera.span or _HEAD_SPAN * widest
-    lows, highs = zip(*(_extent(source, times) for source in sources), strict=True)
+    lows, highs = zip(*(_extent(take, times) for take in takes), strict=True)
     (left, bottom), (right, top) = np.min(lows, axis=0).tolist(), np.max(highs, axis=0).tolist()
     width, height = film.shape
     free = max(height - 2 * lettering.line("", text_height(film.shape)).height, height / 2)
@@ -139,29 +135,29 @@ def _field(sources: Sequence[Source], times: Array, film: Film) -> tuple[tuple[f
     return ((left + right) / 2, (bottom + top) / 2), film.camera.span or span
 
 
-def _extent(source: Source, times: Array) -> tuple[Array, Array]:
+def _extent(take: Take, times: Array) -> tuple[Array, Array]:
     """Return the lower left and upper right corner (2,), m, of the dragon's bounding box over `times` (F,)."""
-    samples = states(source, np.linspace(times[0], times[-1], min(SAMPLES, len(times))))
-    corners = np.concatenate([march_of(source).dragon.outlines(poses).reshape(-1, 2) for _, poses in samples])
+    samples = take.at(np.linspace(times[0], times[-1], min(SAMPLES, len(times))))
+    corners = np.concatenate([take.march.dragon.outlines(poses).reshape(-1, 2) for _, poses in samples])
     return corners.min(axis=0), corners.max(axis=0)
 
 
-def _headings(sources: Sequence[Source], film: Film) -> Sequence[str]:
+def _headings(takes: Sequence[Take], film: Film) -> Sequence[str]:
     """Return the headings of a film: one for each of several pictures, or none."""
     if not film.headings:
-        return [_model(source) for source in sources] if len(sources) > 1 else []
-    if len(film.headings) != len(sources):
-        raise ParameterError("headings", film.headings, f"one for each picture, so {len(sources)}")
+        return [_model(take.run) for take in takes] if len(takes) > 1 else []
+    if len(film.headings) != len(takes):
+        raise ParameterError("headings", film.headings, f"one for each picture, so {len(takes)}")
     return film.headings
 
 
-def _model(source: Source) -> str:
-    """Return the name of the model that computed a source, with what its guide does."""
-    if isinstance(source, March) or source.player == "exact":
+def _model(run: Run | None) -> str:
+    """Return the name of the model that computed a run, with what its guide does, or of the exact model."""
+    if run is None or run.player == "exact":
         return text("exact model")
     # A guide of the user's own has no other name.
-    guide = source.guide
-    if source.free_from == 1:
+    guide = run.guide
+    if run.free_from == 1:
         guide = text("only the head is guided")
     elif guide == "rails":
         guide = text("dancers guide every bench")

@@ -5,29 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
-
-import numpy as np
 
 from pymunk_dragon._arguments import finite, flag, instance, instances, label, positive, whole, word
 from pymunk_dragon.drawing.camera import Camera
-from pymunk_dragon.drawing.film.timing import ADVANCE, Timing, slowed
 from pymunk_dragon.drawing.marks import OVERLAYS
-from pymunk_dragon.drawing.snapshots import Source, march_of
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.model.march import March
-from pymunk_dragon.model.run import Run
 
 # Frames per second, of which whole centiseconds are delays in a GIF; at most the refresh rate of common screens.
 _FPS, _MAX_FPS = 20, 60
 # Pixels: in a smaller picture the text covers the dragon, and a film is not a suitable format for larger ones.
 _SIZES = 64, 2048
-# Frames: a quarter of an hour. A larger number is taken for a typing error.
-_MAX_FRAMES = 20_000
 # s: a longer one is taken for a typing error.
 _MAX_HOLD = 60.0
-# s: thirty years, the longest time of a march whose curve has no end.
-_MAX_TIME = 1e9
 # Characters of a text: more are higher than a film.
 _MAX_TEXT = 10_000
 
@@ -47,7 +36,8 @@ class Film:
         column or row that would make the size of the film odd.
     start, until : float, optional
         Simulated time of the first and the last frame, s. By default a film with a constant speed begins with the run,
-        any other late enough to be 11 s long, and both end with the run. A march requires `until`.
+        any other late enough to be 11 s long, and both end with the run. A march ends with its first contact, or
+        after 60 s if there is none or its curve has no end; several marches require `until`.
     hold : float
         Duration of the last frame, s.
     camera : Camera
@@ -69,9 +59,9 @@ class Film:
 
     Examples
     --------
-    >>> from pymunk_dragon import March
-    >>> from pymunk_dragon.drawing import Film
-    >>> Film(fps=10, speedup=20, until=8).timing([March()]).times
+    >>> from pymunk_dragon import Dragon, Film, March, render
+    >>> film = Film(fps=10, speedup=20, until=8)
+    >>> render(March(Dragon(benches=16)), "march.gif", film).times
     array([0., 2., 4., 6., 8.])
     """
 
@@ -120,42 +110,3 @@ class Film:
         """Return the names and values of title, caption and headings."""
         headings = instances("headings", headings, str, "texts")
         return [("title", self.title), ("caption", self.caption), *(("headings", each) for each in headings)]
-
-    def timing(self, sources: Sequence[Source]) -> Timing:
-        """Return the times of the frames; a ParameterError if the window is not in the run, or has too many frames."""
-        start, until = window = self.window(sources)
-        if self.speedup is None and start < until:
-            times = slowed(sources, window, ADVANCE[self.camera.follow], self.fps, late=self.start is None)
-        else:
-            step = (self.speedup or 1.0) / self.fps
-            # A remainder of rounding error gets no frame of its own; the last time is always there.
-            count = math.ceil((until - start) / step - 1e-6)
-            if count > _MAX_FRAMES:
-                raise ParameterError("speedup", self.speedup, f"such that the film has at most {_MAX_FRAMES} frames")
-            times = np.minimum(start + step * np.arange(count + 1), until)
-        return Timing(times, self.fps, self.hold)
-
-    def window(self, sources: Sequence[Source]) -> tuple[float, float]:
-        """Return the first and last time that the film may show, s; errors as in `timing`."""
-        begin, end = shared_window(checked_sources(sources))
-        # Without a run, nothing says where a film ends.
-        start, until = (0.0, None) if begin == -_MAX_TIME else (begin, end)
-        start = finite("start", start if self.start is None else self.start, begin, end, "s")
-        return start, finite("until", until if self.until is None else self.until, start, end, "s")
-
-
-def shared_window(sources: Sequence[Source]) -> tuple[float, float]:
-    """Return the time interval, s, in which all sources can be shown; a run that has ended keeps its last frame."""
-    runs = [source.times[[0, -1]] for source in sources if isinstance(source, Run)]
-    if not runs:
-        return -_MAX_TIME, min(_MAX_TIME, *(march_of(source).end for source in sources))
-    begins, ends = np.transpose(runs).tolist()
-    return max(begins), max(ends)
-
-
-def checked_sources(source: Any) -> tuple[Source, ...]:
-    """Return `source`, one run or march or a sequence of them, as a tuple."""
-    sources = tuple(source) if isinstance(source, Sequence) else (source,)
-    if not sources or not all(isinstance(each, Run | March) for each in sources):
-        raise ParameterError("source", source, "a Run or a March, or a list of them")
-    return sources

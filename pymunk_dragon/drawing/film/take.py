@@ -1,0 +1,172 @@
+"""Takes: each source of a film with the time window, the first contact and the near misses that the film shows.
+
+Each march of a film is searched for its first contact here, at most once.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from pymunk_dragon._arguments import finite
+from pymunk_dragon.collision import FirstContact, NearMiss, first_contact
+from pymunk_dragon.drawing.film.settings import Film
+from pymunk_dragon.drawing.snapshots import Snapshots
+from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.model.contact import Contact
+from pymunk_dragon.model.march import March
+from pymunk_dragon.model.run import Run
+
+# s: margin by which the search for a contact at the end of a film extends beyond the end.
+_CONTACT_MARGIN = 1e-6
+# s: thirty years, the longest time of a march whose curve has no end.
+_MAX_TIME = 1e9
+# s: duration shown of a march without a first contact, or on a curve without an end.
+_DEFAULT_DURATION = 60.0
+
+# First and last time, s.
+Window = tuple[float, float]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Take(Snapshots):
+    """A source of a film, and what the film shows of it.
+
+    `window` has the first and the last time of the film, s, which are the same for all its takes. `beside` is the run
+    that is shown beside its exact march. `search` is the result of the search for the first contact of the exact model,
+    None if the film does not need it.
+    """
+
+    window: Window
+    beside: Run | None = None
+    search: FirstContact | None = None
+
+    @property
+    def contact(self) -> Contact | None:
+        """First contact of the run, or of the exact march."""
+        if self.run is not None:
+            return self.run.first_contact
+        return None if self.search is None else self.search.contact
+
+    @property
+    def moving(self) -> Window:
+        """First and last time, s, of the motion in the window: a run that has ended does not move."""
+        if self.run is None:
+            return self.window
+        start, until = np.clip(self.window, *self.run.times[[0, -1]]).tolist()
+        return start, until
+
+    @property
+    def near_misses(self) -> tuple[NearMiss, ...]:
+        """Near misses of the exact model in the window. A run with free benches has none."""
+        start, until = self.moving
+        found = () if self.search is None or not self._keeps_to_march else self.search.near_misses or ()
+        return tuple(miss for miss in found if start <= miss.time <= until)
+
+    @property
+    def searched(self) -> Window | None:
+        """Time interval, s, in which the first contact and the near misses of the exact model can be in the film."""
+        start, until = self.moving
+        contact = None if self.beside is None else self.beside.first_contact
+        if self.beside is not None and contact is not None and contact.time <= start:
+            # A contact before the window is still shown in it.
+            start = float(self.beside.times[0])
+        return (start, until) if start < until and self._keeps_to_march else None
+
+    @property
+    def _keeps_to_march(self) -> bool:
+        """Whether the benches move as in the exact model."""
+        return self.run is None or self.run.free_from is None
+
+
+def checked_sources(source: Any) -> tuple[Snapshots, ...]:
+    """Return the states of `source`, one run or march or a sequence of them."""
+    sources = tuple(source) if isinstance(source, Sequence) else (source,)
+    if not sources or not all(isinstance(each, Run | March) for each in sources):
+        raise ParameterError("source", source, "a Run or a March, or a list of them")
+    return tuple(Snapshots.of(each) for each in sources)
+
+
+def shared_window(sources: Sequence[Snapshots]) -> Window:
+    """Return the time interval, s, in which all sources can be shown; a run that has ended keeps its last frame."""
+    runs = [source.run.times[[0, -1]] for source in sources if source.run is not None]
+    if not runs:
+        return -_MAX_TIME, min(_MAX_TIME, *(source.march.end for source in sources))
+    begins, ends = np.transpose(runs).tolist()
+    return max(begins), max(ends)
+
+
+def takes_of_film(sources: Sequence[Snapshots], film: Film, *, still: bool = False) -> tuple[Take, ...]:
+    """Return the takes of a film, or of a picture of its last time.
+
+    A ParameterError is raised if the film's window does not fit the sources.
+    """
+    begin, end = shared_window(sources)
+    has_run = any(source.run is not None for source in sources)
+    first = begin if has_run else 0.0
+    start = finite("start", first if film.start is None else film.start, begin, end, "s")
+    search = None
+    last = film.until
+    if last is None and has_run:
+        last = end
+    elif last is None and len(sources) == 1:
+        search, last = _default_end(sources[0].march, start)
+    until = finite("until", last, start, end, "s")
+    return takes_in((until if still else start, until), sources, film, search)
+
+
+def takes_in(
+    window: Window, sources: Sequence[Snapshots], film: Film, known: FirstContact | None = None
+) -> tuple[Take, ...]:
+    """Return the takes of a time window. `known` is the result of the search if it was made for the only source."""
+    takes = [Take(march=each.march, run=each.run, window=window, beside=_beside(each, sources)) for each in sources]
+
+    # A march and its runs share one search.
+    searches: dict[int, FirstContact | None] = {}
+    for march in (take.march for take in takes):
+        if id(march) not in searches:
+            interval = _searched([take for take in takes if take.march is march], film)
+            searches[id(march)] = None if interval is None else known or _first_contact_until(march, *interval)
+    return tuple(replace(take, search=searches[id(take.march)]) for take in takes)
+
+
+def _default_end(march: March, start: float) -> tuple[FirstContact | None, float]:
+    """Return the time at which a film of a march ends by default, s, and the search that was made for it.
+
+    It is the time of the first contact, or 60 s after `start` if there is none, or if the curve has no end.
+    """
+    search = None
+    if start < march.end < math.inf:
+        search = first_contact(march, start=start)
+        if search.contact is not None:
+            return search, search.time
+    return search, min(start + _DEFAULT_DURATION, march.end)
+
+
+def _first_contact_until(march: March, start: float, until: float) -> FirstContact:
+    """Search for the first contact of the exact model from `start` to `until`, s, including a contact at `until`."""
+    found = first_contact(march, start=start, until=min(until + _CONTACT_MARGIN, march.end))
+    return replace(found, time=min(found.time, until))
+
+
+def _beside(source: Snapshots, sources: Sequence[Snapshots]) -> Run | None:
+    """Return the run that is shown beside its exact march."""
+    if source.run is not None:
+        return None
+    runs = (other.run for other in sources if other.march is source.march)
+    return next((run for run in runs if run is not None), None)
+
+
+def _searched(takes: Sequence[Take], film: Film) -> Window | None:
+    """Return the time interval, s, in which a film needs the search for the takes of one march."""
+    # The first contact of a run is known, and near misses are not needed at a constant speed.
+    needed = [take for take in takes if take.run is None or film.speedup is None]
+    intervals = [take.searched for take in needed if take.searched is not None]
+    if not intervals:
+        return None
+    begins, ends = zip(*intervals, strict=True)
+    return min(begins), max(ends)
