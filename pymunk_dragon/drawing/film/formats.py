@@ -1,6 +1,7 @@
-"""Writers of film files: imageio for MP4 (by FFmpeg) and WebP (by Pillow), and Pillow's compression of frames for GIF.
+"""Writers of film files.
 
-The writers of GIFs of imageio and Pillow keep all frames in memory and take five times as long.
+imageio writes MP4, by FFmpeg, and WebP, by Pillow. GIFs are written here, with Pillow's compression of
+single frames: imageio takes five times as long, and keeps all frames in memory.
 """
 
 from __future__ import annotations
@@ -35,7 +36,8 @@ _FILTERS += ",setparams=color_primaries=bt709:color_trc=bt709:colorspace=bt709"
 # FFmpeg options: the index before the data, so that a browser can play an incomplete download; and no encoder version
 # or date in the file.
 _FORMAT = f"-vf {_FILTERS} -movflags +faststart -fflags +bitexact -flags:v +bitexact"
-# imageio options. Sizes are even, so imageio need not change them.
+# imageio options of an MP4. imageio chooses neither the quality, which is among the x264 options, nor
+# the size, which is even. (Its plugin for PyAV has no parameter for the quality, and takes no iterator.)
 _MP4_OPTIONS: dict[str, Any] = {
     "plugin": "FFMPEG",
     "is_batch": True,
@@ -47,17 +49,26 @@ _MP4_OPTIONS: dict[str, Any] = {
 }
 # Boxes of an MP4, each within the one before, down to the one with the number of frames.
 _INDEX = (b"moov", b"trak", b"mdia", b"minf", b"stbl", b"stsz")
-# Bytes of memory for the frames of a WebP, all of which imageio and Pillow need at once: half of the memory of a small
-# computer, and 1,100 frames of 440 x 501 pixels.
+# Bytes of memory for the frames of a WebP, all of which imageio and Pillow need at once: half of the
+# memory of a small computer, or 1,100 frames of 440 x 501 pixels.
 _MAX_WEBP_MEMORY = 1_000_000_000
 # Bytes of memory per pixel of a WebP (mode RGBA).
 _WEBP_PIXEL = 4
 # Pixels: the largest width and height that the format has.
 _MAX_WEBP_LENGTH = 16_383
-# WebP options: all pixels keep their colours. Method 1 with quality 25 (here the effort, not the loss) takes 20 ms per
-# frame of 640 x 734 pixels and makes a file that is an eighth smaller than the GIF; without effort, it is larger than
-# the GIF. Without key frames (kmin, kmax) every frame is encoded once, as the difference to the one before.
-_WEBP_OPTIONS: dict[str, Any] = {"lossless": True, "method": 1, "quality": 25, "kmin": 0, "kmax": 0, "loop": 0}
+# imageio options of a WebP: all pixels keep their colours. Method 1 with quality 25 (of a lossless file,
+# this is the effort) takes 20 ms per frame of 640 x 734 pixels with 223 benches, and the file is an
+# eighth smaller than the GIF; with less effort, it is larger than the GIF. Without key frames (kmin,
+# kmax), a frame is encoded once, as the difference to the frame before. Loop 0 repeats without end.
+_WEBP_OPTIONS: dict[str, Any] = {
+    "is_batch": True,
+    "lossless": True,
+    "method": 1,
+    "quality": 25,
+    "kmin": 0,
+    "kmax": 0,
+    "loop": 0,
+}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -117,11 +128,14 @@ def _write_gif(path: Path, frames: Frames) -> None:
 
 
 def _write_mp4(path: Path, frames: Frames) -> None:
-    """Write an MP4 with a constant frame rate; one frame is in memory. A frame that is shown longer is repeated.
+    """Write an MP4 with a constant frame rate. A frame that is shown longer is repeated.
+
+    One frame is in memory.
 
     A `MissingExtraError` is raised if FFmpeg is not found, an `OSError` if it does not write all frames.
     """
     library("imageio_ffmpeg")
+
     # Here, because it takes 25 ms, and most uses of `drawing` write no film.
     from imageio import v3 as iio
 
@@ -139,7 +153,7 @@ def _write_mp4(path: Path, frames: Frames) -> None:
         release()
         yield from pixels
 
-    # It warns of a film that was interrupted before its first frame.
+    # It warns of an FFmpeg that has ended early, which is an error here.
     getLogger("imageio_ffmpeg").setLevel(ERROR)
     try:
         # Signals that arrive while FFmpeg is started cannot be raised.
@@ -170,8 +184,8 @@ def _repeated(frames: Frames, counts: Sequence[int]) -> Iterator[np.ndarray[Any,
 def _frame_count(path: Path) -> int:
     """Return the number of frames in the index of an MP4; 0 if the file is not complete.
 
-    FFmpeg writes the index last, before the data. So a file with an index has all of its data, and no frame needs to be
-    decoded.
+    FFmpeg writes the index last, although it is before the data. So an index before complete data
+    proves that FFmpeg succeeded, and no frame needs to be decoded.
     """
     try:
         with path.open("rb") as file:
@@ -188,7 +202,10 @@ def _frame_count(path: Path) -> int:
 
 
 def _box(file: BinaryIO, kind: bytes, begin: int, end: int) -> tuple[int, int]:
-    """Return where the content of the first box of a kind in a part of an MP4 begins and ends; or a `ValueError`."""
+    """Return where the content of the first box of a kind in a part of an MP4 begins and ends.
+
+    A `ValueError` is raised if there is none.
+    """
     while begin < end:
         file.seek(begin)
         size = int.from_bytes(file.read(4))
@@ -204,14 +221,16 @@ def _box(file: BinaryIO, kind: bytes, begin: int, end: int) -> tuple[int, int]:
 
 def _write_webp(path: Path, frames: Frames) -> None:
     """Write an animated WebP that repeats without end. All frames are in memory."""
+    from imageio import v3 as iio
+
     count = len(frames.ends)
     width, height = frames.size
     if max(frames.size) > _MAX_WEBP_LENGTH:
-        raise ParameterError("size", frames.size, f"at most {_MAX_WEBP_LENGTH} pixels wide and high in a WebP")
-    if count * width * height * _WEBP_PIXEL > _MAX_WEBP_MEMORY:
-        bound = f"such that the {count} frames of a WebP need at most {_MAX_WEBP_MEMORY / 1e9:g} GB of memory"
+        bound = f"at most {_MAX_WEBP_LENGTH} pixels wide and high in a WebP"
         raise ParameterError("size", frames.size, bound)
-    from imageio import v3 as iio
+    if count * width * height * _WEBP_PIXEL > _MAX_WEBP_MEMORY:
+        limit = f"{_MAX_WEBP_MEMORY / 1e9:g} GB of memory"
+        raise ParameterError("size", frames.size, f"such that the {count} frames of a WebP need at most {limit}")
 
     pixels = np.empty((count, height, width, _WEBP_PIXEL), np.uint8)
     for frame, picture in zip(pixels, frames.pictures, strict=True):
@@ -219,7 +238,7 @@ def _write_webp(path: Path, frames: Frames) -> None:
 
     writer = iio.imopen("<bytes>", "w", plugin="pillow", extension=".webp")
     try:
-        content: Any = writer.write(pixels, is_batch=True, duration=frames.durations(1000), **_WEBP_OPTIONS)
+        content: Any = writer.write(pixels, duration=frames.durations(1000), **_WEBP_OPTIONS)
     finally:
         # After an interruption, imageio would encode these frames again when it closes its file.
         writer.images_to_write.clear()
