@@ -190,9 +190,9 @@ def test_contacts_of_a_simulation_are_reported_or_resolved(answer, here):
 
 
 def test_render_and_report_take_the_format_from_the_ending(answer, here):
-    for ending, expected in {"gif": b"GIF89a", "png": b"\x89PNG\r\n\x1a\n"}.items():
+    for ending, expected in {"gif": b"GIF89a", "webp": b"RIFF", "png": b"\x89PNG\r\n\x1a\n"}.items():
         path = Path(f"film.{ending}")
-        options = ["--size", "120"] + ["--fps", "10", "--speedup", "10"] * (ending == "gif")
+        options = ["--size", "120"] + ["--fps", "10", "--speedup", "10"] * (ending != "png")
         assert answer("render", "--until", "2", *options, "-o", path, "--json")["bytes"] == path.stat().st_size
         assert path.read_bytes().startswith(expected), ending
     Run.exact(March(Dragon(benches=16), turns=8), [79, 82]).save("run.npz")

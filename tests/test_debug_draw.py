@@ -296,18 +296,19 @@ def ball(number, colour):
 
 
 def test_recipes_of_the_guide_keep_colours_and_sizes(here):
-    # The blocks of the program, from the palette on, and of the MP4.
-    program, mp4, *_ = GUIDES["pictures"].blocks("python")
+    # The blocks of the program, from the palette on, of the WebP and of the MP4.
+    program, webp, mp4, *_ = GUIDES["pictures"].blocks("python")
     last_frame, first_frame = (230, 20, 20), (20, 200, 40)
     frames = [ball(number, last_frame if number == 19 else first_frame) for number in range(20)]
     names = {"frames": frames, "Image": Image, "numpy": np}
-    exec(program[program.index("everything") :] + mp4, names)
+    exec(program[program.index("everything") :] + webp + mp4, names)
     with Image.open("dominoes.gif") as film:
         for number, colour in ((0, first_frame), (19, last_frame)):
             film.seek(number)
             shown = np.asarray(film.convert("RGB")).astype(int)
             assert np.abs(shown[30, 20 + 5 * number] - colour).max() <= 4
             assert np.abs(shown - np.asarray(frames[number])).max() <= 24
+    assert np.array_equal(iio.imread("dominoes.webp", index=19, mode="RGB"), frames[19])
     assert iio.immeta("dominoes.mp4")["size"] == (158, 62)
 
 

@@ -11,6 +11,7 @@ from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 
+import imageio_ffmpeg
 import psutil
 import pytest
 from conftest import LIMIT, assert_one_line, assert_says, not_under_coverage, read_until, refusal, wait_until
@@ -18,6 +19,7 @@ from conftest import LIMIT, assert_one_line, assert_says, not_under_coverage, re
 import pymunk_dragon
 from pymunk_dragon import OutputError
 from pymunk_dragon._files import check_destination, written_in_place
+from pymunk_dragon.drawing import FILM_ENDINGS
 from pymunk_dragon.lessons import LESSONS, record
 
 
@@ -278,6 +280,7 @@ def test_signal_after_the_last_output_is_no_error():
         ("render --until 6", "film.gif"),
         *(("report RUN.npz", f"report{ending}") for ending in (".html", ".md", ".csv", ".json")),
         ("render --until 6", "film.mp4"),
+        ("render --until 6", "film.webp"),
         ("render RUN.npz", "page.html"),
         ("figure spiral", "figure.svg"),
         ("demo pitch", "lesson.html"),
@@ -298,6 +301,31 @@ def test_full_disk_is_one_line_and_leaves_the_old_file(tmp_path, tmp_path_factor
             assert names(tmp_path) == [file]
             assert (tmp_path / file).read_bytes() == b"old"
         (tmp_path / file).unlink()
+
+
+# What FFmpeg may do instead of writing a film, as programs of bash that get its arguments.
+FFMPEGS = {
+    "full disk": 'ulimit -f 4; exec {ffmpeg} "$@"',
+    "encoder is missing": 'exec {ffmpeg} "${{@/libx264/absent}}"',
+    "killed at a frame": "head -c 50000 >/dev/null; kill -KILL $$",
+    "killed before the index": 'cat >"${{!#}}"; kill -KILL $$',
+    "killed before the last data": '{ffmpeg} "$@"; truncate -s -1 "${{!#}}"; kill -KILL $$',
+}
+
+
+@not_under_coverage
+@pytest.mark.parametrize("code", FFMPEGS.values(), ids=FFMPEGS)
+def test_film_that_ffmpeg_does_not_write_is_one_line_and_leaves_the_old_file(tmp_path, code):
+    ffmpeg, film = tmp_path / "ffmpeg", tmp_path / "film.mp4"
+    ffmpeg.write_text("#!/bin/bash\n" + code.format(ffmpeg=imageio_ffmpeg.get_ffmpeg_exe()))
+    ffmpeg.chmod(0o755)
+    film.write_bytes(b"old")
+    arguments = ["render", "--until", "6", "--size", "96", "-o", film]
+    code, out, err = program(*arguments, IMAGEIO_FFMPEG_EXE=str(ffmpeg))
+    assert (code, out) == (1, "")
+    assert_one_line(err, "cannot write ")
+    assert names(tmp_path) == ["ffmpeg", "film.mp4"]
+    assert film.read_bytes() == b"old"
 
 
 # Imports, which make up most of the time of short commands
@@ -332,7 +360,7 @@ def test_command_imports_only_what_it_uses(commands, tmp_path):
 
 @pytest.mark.thorough
 def test_film_that_is_interrupted_leaves_no_file_and_no_process(tmp_path):
-    for name in ("film.gif", "film.mp4"):
+    for name in [f"film{ending}" for ending in FILM_ENDINGS]:
         command = [*PROGRAM, "render", "--until", "400", "--speedup", "0.5", "--size", "96", "-o", tmp_path / name]
         with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True) as process:
             wait_until(process, lambda: names(tmp_path))

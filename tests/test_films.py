@@ -60,7 +60,7 @@ def still(source, time, film=None):
 
 
 def frames(path):
-    """Every frame of a GIF as RGB, and how long it stays in ms."""
+    """Every frame of a GIF or WebP as RGB, and how long it stays in ms."""
     with Image.open(path) as film:
         assert film.info["loop"] == 0  # for ever
         for i in range(film.n_frames):
@@ -83,9 +83,10 @@ def drawn(source, film):
     return [np.asarray(picture).astype(int) for picture in layout.frames()]
 
 
-def test_file_shows_exactly_what_was_drawn_for_as_long_as_it_should(run, tmp_path):
+@pytest.mark.parametrize("ending", [".gif", ".webp"])
+def test_file_shows_exactly_what_was_drawn_for_as_long_as_it_should(run, tmp_path, ending):
     for size, fps in (((160, 120), 10), ((97, 131), 7), ((64, 64), 24)):
-        path, told = tmp_path / "film.gif", []
+        path, told = tmp_path / f"film{ending}", []
         film = Film(size=size, fps=fps, speedup=5, hold=1.5, camera=HEAD, show=("velocities", "grid"))
         render(run, path, film, progress=lambda *step, told=told: told.append(step))
         shown, expected = list(frames(path)), drawn(run, film)
@@ -104,16 +105,23 @@ def test_same_film_twice_is_the_same_file(run, tmp_path):
         assert (tmp_path / f"one{ending}").read_bytes() == (tmp_path / f"two{ending}").read_bytes()
 
 
-def test_equal_frames_stay_as_long_as_they_should(tmp_path):
+@pytest.mark.parametrize("ending", [".gif", ".webp"])
+def test_equal_frames_stay_as_long_as_they_should(tmp_path, ending):
     first, second = (Image.new("P", (32, 32), 3) for _ in range(2))
     second.paste(5, (11, 11, 12, 12))
     for picture in (first, second):
         picture.putpalette(colour_table().tobytes())
-    path, pictures = tmp_path / "film.gif", iter((first, first, first, second, second))
-    WRITERS[".gif"](path, Frames(pictures=pictures, ends=[0.1, 0.2, 0.3, 0.4, 0.5], size=first.size, fps=10))
+    path, pictures = tmp_path / f"film{ending}", iter((first, first, first, second, second))
+    WRITERS[ending](path, Frames(pictures=pictures, ends=[0.1, 0.2, 0.3, 0.4, 0.5], size=first.size, fps=10))
     for picture, expected in ((first, 300), (second, 200)):
         pixels = np.asarray(picture.convert("RGB"))
         assert sum(ms for frame, ms in frames(path) if np.array_equal(frame, pixels)) == expected
+
+
+def decoded(path, pixel_format):
+    """Bytes of all frames of an MP4 in a pixel format. FFmpeg itself: imageio's reader leaves its pipes open."""
+    command = [imageio_ffmpeg.get_ffmpeg_exe(), "-v", "error", "-i", path, "-f", "rawvideo", "-pix_fmt", pixel_format]
+    return np.frombuffer(subprocess.run([*command, "-"], check=True, capture_output=True).stdout, dtype=np.uint8)
 
 
 def test_mp4_is_h264_and_shows_the_frames_in_their_colours(run, tmp_path):
@@ -125,16 +133,40 @@ def test_mp4_is_h264_and_shows_the_frames_in_their_colours(run, tmp_path):
     assert (about["codec"], about["fps"], about["size"]) == ("h264", 10, (318, 238))
     assert about["pix_fmt"] == "yuv420p(tv, bt709, progressive)"
     assert about["duration"] == pytest.approx(10 / 5 + 0.5, abs=0.1)
-    # FFmpeg itself: imageio's reader leaves its pipes open.
-    command = [imageio_ffmpeg.get_ffmpeg_exe(), "-v", "error", "-i", path, "-f", "rawvideo", "-pix_fmt", "rgb24", "-"]
-    pixels = subprocess.run(command, check=True, capture_output=True).stdout
-    shown = np.frombuffer(pixels, dtype=np.uint8).reshape(-1, 238, 318, 3)
+    shown = decoded(path, "rgb24").reshape(-1, 238, 318, 3)
     expected = [frame[:238, :318] for frame in drawn(run, film)]
     assert len(shown) >= len(expected) == 21
     for picture, frame in zip(shown, expected, strict=False):
         # Outlines lose half of their colour's resolution; areas keep their colours.
         error = np.abs(picture - frame)
         assert (np.median(error.max(axis=-1)) <= 3, error.mean() < 3) == (True, True)
+
+
+def test_colours_of_an_mp4_are_encoded_by_bt_709(tmp_path):
+    # A column of 16 pixels of each colour of the table.
+    table = colour_table()
+    picture = Image.fromarray(np.tile(np.arange(len(table), dtype=np.uint8).repeat(16), (32, 1)), "P")
+    picture.putpalette(table.tobytes())
+    path, size = tmp_path / "film.mp4", picture.size
+    WRITERS[".mp4"](path, Frames(pictures=iter([picture]), ends=[0.1], size=size, fps=10))
+    planes = decoded(path, "yuv420p")
+    luma, blue, red = np.split(planes, [size[0] * 32, size[0] * 40])
+    found = [luma.reshape(32, -1)[16, 8::16], *(plane.reshape(16, -1)[8, 4::8] for plane in (blue, red))]
+    # ITU-R BT.709-6, table 3: luma and differences of colour, in the limited range of 8 bits.
+    r, g, b = table.reshape(-1, 3).T / 255
+    y = 0.2126 * r + 0.7152 * g + 0.0722 * b
+    expected = [16 + 219 * y, 128 + 224 * (b - y) / 1.8556, 128 + 224 * (r - y) / 1.5748]
+    # BT.601 would be off by up to 20.
+    np.testing.assert_allclose(found, expected, atol=4)
+
+
+def test_mp4_has_as_many_frames_and_is_as_long_as_it_should(run, tmp_path):
+    for fps, hold in ((7, 1.5), (20, 0), (60, 0.25)):
+        path = tmp_path / "film.mp4"
+        timing = render(run, path, size=64, fps=fps, speedup=5, hold=hold)
+        frames, seconds = imageio_ffmpeg.count_frames_and_secs(path)
+        assert frames == round(timing.ends[-1] * fps)
+        assert seconds == pytest.approx(frames / fps, abs=0.01)
 
 
 def test_film_that_is_broken_off_leaves_the_old_one(run, tmp_path):
@@ -170,11 +202,11 @@ def test_error_of_the_users_own_code_is_raised_as_it_is_and_leaves_nothing(tmp_p
 
 
 def test_size_that_is_returned_is_that_of_the_file(run, tmp_path):
-    for ending, expected in {".gif": (121, 77), ".mp4": (120, 76), ".png": (121, 77)}.items():
+    for ending in (*FILM_ENDINGS, ".png"):
         path = tmp_path / f"film{ending}"
         returned = render(run, path, size=(121, 77), fps=10, speedup=5).size
         size = iio.immeta(path)["size"] if ending == ".mp4" else iio.improps(path).shape[-2:-4:-1]
-        assert returned == size == expected
+        assert returned == size == ((120, 76) if ending == ".mp4" else (121, 77))
 
 
 def test_bad_parameters_are_refused(run, tmp_path):
@@ -186,6 +218,11 @@ def test_bad_parameters_are_refused(run, tmp_path):
     cases += [("headings", value) for value in (("a", None), ("one", "too many"), (UNKNOWN,))]
     cases += [("show", value) for value in (("shadows",), "grid", ("impulses",))]
     calls = [(name, run, "film.gif", {name: value}) for name, value in cases]
+    # Too many frames for the memory of a WebP, and too wide for one.
+    calls += [
+        ("size", run, "film.webp", {"size": 2048, "speedup": 0.5}),
+        ("size", [run] * 9, "film.webp", {"size": 2048}),
+    ]
     calls += [("until", run, "film.gif", {"start": 5, "until": 4}), ("until", [MARCH, MARCH], "film.gif", {})]
     calls += [("output", run, name, {}) for name in ("film.avi", "film", "nowhere/film.gif")]
     calls += [("source", source, "film.gif", {"until": 1}) for source in ([], "run.npz", [1], None)]

@@ -1,7 +1,7 @@
 """Rendering: pictures of a dragon's state, films, figures and debug drawing.
 
-`render` and `pymunk-dragon render` take the format from the file's ending: a GIF, an MP4 (with
-`pip install 'pymunk-dragon[mp4]'`), or a PNG of one moment. The program also writes the page of
+`render` and `pymunk-dragon render` take the format from the file's ending: a GIF, an animated WebP,
+an MP4 (with `pip install 'pymunk-dragon[mp4]'`), or a PNG of one moment. The program also writes the page of
 `pymunk_dragon.player`, `.html`. Several runs stand side by side, and `--exact` puts the exact model beside a run.
 
 ```console
