@@ -14,9 +14,9 @@ from types import SimpleNamespace
 import aiohttp
 import numpy as np
 
-from pymunk_dragon.sessions.handle import Live, source_of
-from pymunk_dragon.sessions.ready import planned
-from pymunk_dragon.sessions.scene import Play
+from pymunk_dragon.sessions.live import Live, source_of
+from pymunk_dragon.sessions.scene import PlaySettings
+from pymunk_dragon.sessions.scenes import recorded_scene
 from pymunk_dragon.sessions.session import Log, Session
 
 # s that anything may take on a busy machine.
@@ -32,7 +32,7 @@ class Played:
     """A paused session without a server: `do` sends a message, `step` makes steps as fast as they go."""
 
     def __init__(self, source):
-        self.session = Session(source if hasattr(source, "build") else source_of(source, Play()), running=False)
+        self.session = Session(source if hasattr(source, "build") else source_of(source, PlaySettings()), running=False)
         self.told = []
         self.session.join(listener(self.told))
         self.session.start()
@@ -104,7 +104,7 @@ def played(source: object):
 
 def replay_session(log: Log, before: Callable[[Session], object] = lambda session: None):
     """A session that has begun a replay, as fast as it goes, and what it sends; `before` is called with it first."""
-    session, told = Session(planned(log["plan"]), log=log), []
+    session, told = Session(recorded_scene(log["plan"]), log=log), []
     session.join(listener(told))
     before(session)
     session.start()
@@ -113,7 +113,7 @@ def replay_session(log: Log, before: Callable[[Session], object] = lambda sessio
 
 def replayed(log: Log):
     """The last poses of a replay and its session."""
-    session = Session(planned(log["plan"]), log=log)
+    session = Session(recorded_scene(log["plan"]), log=log)
     session.speed = np.inf
     session.start()
     assert session.wait_for_replay() is not None
@@ -138,7 +138,7 @@ def decoded(frame: bytes):
 @contextmanager
 def served(source: object = "pendulum", **options: object):
     """A session with a server, without a browser."""
-    session = Session(source if hasattr(source, "build") else source_of(source, Play()))
+    session = Session(source if hasattr(source, "build") else source_of(source, PlaySettings()))
     found = Live(session, **{"host": "127.0.0.1", "port": 0} | options)
     try:
         yield found

@@ -32,7 +32,7 @@ from pymunk_dragon.model.curves import Line
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.sessions import Slider, live
-from pymunk_dragon.sessions.ready import add, dragon, ready
+from pymunk_dragon.sessions.scenes import add, march_scene, named_scene
 from pymunk_dragon.sessions.session import ACTIONS, load_log
 
 SHORT = March(Dragon(benches=20))
@@ -82,7 +82,7 @@ def without_generation(session):
 
 @pytest.mark.parametrize("name", ["dragon", "pendulum", "boxes"])
 def test_replay_of_a_saved_session_ends_in_the_same_state_to_the_bit_and_reset_undoes_everything(name, tmp_path):
-    with played(dragon(SHORT) if name == "dragon" else ready(name)) as on:
+    with played(march_scene(SHORT) if name == "dragon" else named_scene(name)) as on:
         fresh = without_generation(on.session)
         touch(on, 13)
         # After the last step.
@@ -105,7 +105,7 @@ def test_replay_of_a_saved_session_ends_in_the_same_state_to_the_bit_and_reset_u
 
 def test_head_at_the_end_of_its_path_stays_there():
     march = March(Dragon(benches=6), Line(start=(-30.0, 0.0), stop=(3.0, 0.0)), start_s=32.0)
-    with played(dragon(march)) as on:
+    with played(march_scene(march)) as on:
         on.do("obstacle", shape="square", x=2.5, y=0.1, size=1.0)
         on.do("contacts", value="report")
         while "the head is at the end of its path" not in on.events:
@@ -120,7 +120,7 @@ def test_head_at_the_end_of_its_path_stays_there():
 
 def test_replay_goes_on_where_the_recorded_session_paused_at_a_contact():
     march = March(Dragon(benches=12), Line(start=(-30.0, 0.0), stop=(30.0, 0.0)), start_s=28.0)
-    with played(dragon(march)) as on:
+    with played(march_scene(march)) as on:
         on.do("contacts", value="stop")
         on.do("obstacle", shape="square", x=2.0, y=0.1, size=1.0)
         assert on.step(1000) < 1000
@@ -159,7 +159,7 @@ def test_events_and_messages_that_wait_are_bounded_and_a_new_scene_begins_withou
 
 
 def test_inputs_are_refused_during_a_replay_and_another_scene_ends_it():
-    with played(dragon(SHORT)) as on:
+    with played(march_scene(SHORT)) as on:
         on.step(30)
         on.do("cut", **joint_at(on, 5))
         on.step(1)
@@ -216,7 +216,7 @@ def test_dragon_keeps_its_place_where_the_time_step_changes():
 
 
 def test_tail_behind_a_cut_joint_stays_while_the_head_goes_on():
-    with played(dragon(March(Dragon(benches=60)))) as on:
+    with played(march_scene(March(Dragon(benches=60)))) as on:
         on.run(1.0)
         before = on.frame()
         np.testing.assert_allclose(before.poses, on.scene.poses(), rtol=1e-6)
@@ -234,7 +234,7 @@ def test_tail_behind_a_cut_joint_stays_while_the_head_goes_on():
 
 
 def test_dancers_who_come_back_bring_every_bench_to_the_exact_model():
-    with played(dragon(March(Dragon(benches=40)))) as on:
+    with played(march_scene(March(Dragon(benches=40)))) as on:
         on.run(0.5)
         assert on.do("release", bench=1) is None
         assert on.session.state()["free_from"] == 1
@@ -313,7 +313,7 @@ def test_hand_pulls_dynamic_bodies_only_with_at_most_1000_newtons_per_kilogram()
 
 
 def test_sliders_that_rebuild_begin_anew_with_their_value():
-    with played(dragon(SHORT)) as on:
+    with played(march_scene(SHORT)) as on:
         for name, value in (("pitch", 0.7), ("width", 0.25), ("benches", 12.0)):
             on.step(10)
             generation = on.session.generation
@@ -345,7 +345,7 @@ def test_values_out_of_range_and_things_that_do_not_exist_are_refused_and_change
         "scene": [{"name": "../etc"}],
         "set": [{"name": "shoe size", "value": 1.0}],
     }
-    for source in (dragon(SHORT), ready("boxes")):
+    for source in (march_scene(SHORT), named_scene("boxes")):
         with played(source) as on:
             on.step(3)
             before = on.session.state(), on.session.log()
@@ -429,7 +429,7 @@ def test_random_messages_crash_nothing_and_each_malformed_one_is_answered(client
             first = await client.shown(lambda frame: frame.generation > answer["generation"])
             await client.shown(lambda frame: frame.time > first.time + 0.1)
 
-    with served(dragon(SHORT)) as session:
+    with served(march_scene(SHORT)) as session:
         run(all_attacks(session))
     assert failures == []
 

@@ -17,7 +17,7 @@ from live_sessions import decoded
 from test_sessions_input import keep_queries
 
 from pymunk_dragon.sessions import Live
-from pymunk_dragon.sessions.scene import Play, Scene
+from pymunk_dragon.sessions.scene import PlaySettings, Scene
 
 EXAMPLES = Path(pymunk.__file__).parent / "examples"
 KINDS = ("circle", "segment", "polygon", "line", "dot")
@@ -111,7 +111,7 @@ def test_page_gets_what_pymunk_draws_of_its_examples_at_the_start_and_after_2_s(
     assert len(spaces) >= 26
     drawn, contacts = 0, 0
     for name, (space, dt) in spaces.items():
-        scene = Scene(space, Play(step=dt))
+        scene = Scene(space, PlaySettings(step=dt))
         assert_drawn_alike(scene, name)
         for _ in range(round(min(2.0, 500 * dt) / dt)):
             scene.advance()

@@ -12,8 +12,8 @@ import click
 from pymunk_dragon._extras import library
 from pymunk_dragon._language import text
 from pymunk_dragon.cli import common
-from pymunk_dragon.sessions.handle import Live
-from pymunk_dragon.sessions.ready import SCENES, dragon, planned, ready
+from pymunk_dragon.sessions.live import Live
+from pymunk_dragon.sessions.scenes import SCENES, march_scene, named_scene, recorded_scene
 from pymunk_dragon.sessions.session import Log, Session, load_log
 
 
@@ -29,7 +29,7 @@ def live(scene: str | None, start: float, replay: str | None, ends: bool, output
     """Play the dragon in real time, and touch it in a browser. A scene has its own dragon."""
     own = common.flags_given("scenario", *common.chosen(), "start")
     if sum(map(bool, (scene, own, replay))) > 1:
-        raise click.UsageError("a ready scene and a recording have their own dragon: leave out the other options")
+        raise click.UsageError("a built-in scene and a recording have their own dragon: leave out the other options")
     if ends and replay is None:
         raise click.UsageError("--exit ends a replay: give a recording with --replay")
     if not ends:
@@ -37,9 +37,9 @@ def live(scene: str | None, start: float, replay: str | None, ends: bool, output
     path = common.destination_of(output, [".json"])
     log = None if replay is None else load_log(replay)
     if log is not None:
-        source = planned(log["plan"])
+        source = recorded_scene(log["plan"])
     else:
-        source = dragon(common.march(), start=start) if own else ready(scene or "dragon")
+        source = march_scene(common.march(), start=start) if own else named_scene(scene or "dragon")
     session = Session(source, log=log)
     (_replay_at_once if ends else serve)(session, log, path, **address)
 

@@ -22,7 +22,7 @@ from aiohttp.typedefs import Handler
 from pymunk_dragon._arguments import whole
 from pymunk_dragon._language import language
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.sessions.handle import live_page
+from pymunk_dragon.sessions.page import live_page
 from pymunk_dragon.sessions.session import Session
 
 # Messages of a client in a second: the others wait, and a client of which so many had to wait is disconnected.

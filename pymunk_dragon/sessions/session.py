@@ -23,9 +23,9 @@ from pymunk_dragon.errors import DragonError, FileFormatError, ParameterError
 from pymunk_dragon.physics.callbacks import callbacks_raise
 from pymunk_dragon.sessions.dragon import DragonScene
 from pymunk_dragon.sessions.holds import Holds
-from pymunk_dragon.sessions.ready import SCENES, Ready, planned, ready
 from pymunk_dragon.sessions.restore import callbacks, discard
 from pymunk_dragon.sessions.scene import Scene
+from pymunk_dragon.sessions.scenes import SCENES, SceneSource, named_scene, recorded_scene
 
 # What was done to a scene since it was built, as it is written as JSON: `inputs` with the number of steps before each.
 Log = dict[str, Any]
@@ -58,7 +58,7 @@ class Session:
     _replay: Iterator[None] | None = None
     _replayed: float | DragonError | None = None
 
-    def __init__(self, source: Ready, *, running: bool = True, log: Log | None = None) -> None:
+    def __init__(self, source: SceneSource, *, running: bool = True, log: Log | None = None) -> None:
         self._own = source
         # Values of sliders with which the scene of one's own begins.
         self._first = dict(log["values"]) if log else {}
@@ -90,7 +90,7 @@ class Session:
 
     def start(self) -> None:
         """Begin to step, unless a program makes the steps."""
-        if self.scene.play.step is not None:
+        if self.scene.settings.step is not None:
             self._thread.start()
 
     def step(self, length: float) -> None:
@@ -98,8 +98,8 @@ class Session:
 
         An error in the step is raised here, and does not pause the session, which nobody might resume.
         """
-        if self.scene.play.step is not None:
-            raise ParameterError("step", self.scene.play.step, "None for a program that makes the steps itself")
+        if self.scene.settings.step is not None:
+            raise ParameterError("step", self.scene.settings.step, "None for a program that makes the steps itself")
         self.scene.step_length = finite("dt", length, 0, MAX_STEP, "s")
         if not self.scene.steps:
             # Now the program has opened its window and filled its space.
@@ -175,7 +175,7 @@ class Session:
     def log(self) -> Log:
         """Return what was done since the scene was built."""
         with self.held:
-            about = {"plan": self.source.plan, "values": self.values, "steps": self.scene.steps}
+            about = {"plan": self.source.saved_as, "values": self.values, "steps": self.scene.steps}
             inputs = [json.loads(each) for each in self.inputs]
             return about | {"inputs": inputs, "poses": self.scene.poses().tolist()}
 
@@ -223,7 +223,7 @@ class Session:
     def _step(self) -> None:
         scene, begin = self.scene, perf_counter()
         self._single_steps = max(self._single_steps - 1, 0)
-        with self._watched(own_step=scene.play.step is None):
+        with self._watched(own_step=scene.settings.step is None):
             if self._replay is not None:
                 # A replay goes on after a stop, as the recorded session did.
                 next(self._replay, None)
@@ -280,7 +280,7 @@ class Session:
 
     def _fail(self, error: Exception) -> None:
         """Pause at an error, and end a replay; a program that makes the steps itself would wait for ever."""
-        if self.scene.play.step is not None:
+        if self.scene.settings.step is not None:
             self._pause()
         self._end_replay(DragonError(f"the replay ends at step {self.scene.steps}: {error}"))
 
@@ -322,7 +322,7 @@ class Session:
         about = {name: getattr(self.source, name) for name in ("name", "title", "text", "lesson")}
         scenes = [{"name": each.name, "title": each.title} for each in ({self._own.name: self._own} | SCENES).values()]
         session = {"kind": "scene", "role": "control", "generation": self.generation, "scenes": scenes}
-        session |= {"replays": self.source.plan is not None, "resets": self.scene.play.step is not None}
+        session |= {"replays": self.source.saved_as is not None, "resets": self.scene.settings.step is not None}
         session["given"] = self.source.given
         self._description = without_nan(session | about | self.scene.to_dict())
         self.tell(self._description)
@@ -335,7 +335,7 @@ class Session:
         with self._watched(answer):
             if message["do"] in INPUTS and (self._replay is not None or len(self.inputs) >= _MAX_INPUTS):
                 raise ParameterError("message", message["do"], f"sent after a replay, and one of {_MAX_INPUTS} inputs")
-            if message["do"] in ("scene", "reset") and self.scene.play.step is None:
+            if message["do"] in ("scene", "reset") and self.scene.settings.step is None:
                 raise ParameterError("message", message["do"], "another one: this program builds its space itself")
             match message:
                 case {"do": "play" | "until_contact" as action}:
@@ -349,7 +349,7 @@ class Session:
                 case {"do": "speed", "value": value}:
                     self.speed = finite("speed", value, *_SPEEDS, "times")
                 case {"do": "scene", "name": name}:
-                    self._begin(self._own if name == self._own.name else ready(name))
+                    self._begin(self._own if name == self._own.name else named_scene(name))
                     self.running = True
                 case {"do": "reset"}:
                     self._begin(self.source)
@@ -376,11 +376,11 @@ class Session:
         # As JSON, which takes less memory.
         self.inputs.append(json.dumps([self.scene.steps, message]))
 
-    def _begin(self, source: Ready) -> None:
+    def _begin(self, source: SceneSource) -> None:
         """Begin anew, with the first values of all sliders."""
         self._build(source, self._first if source is self._own else {})
 
-    def _build(self, source: Ready, values: Mapping[str, float]) -> None:
+    def _build(self, source: SceneSource, values: Mapping[str, float]) -> None:
         """Begin anew with values of sliders; the old scene stays if the new one cannot be built."""
         self.tell({"kind": "building"})
         self._told = None
@@ -401,7 +401,7 @@ class Session:
         self._events = min(self._events, _MAX_EVENTS)
         self._describe()
 
-    def _discard_old_scene(self, source: Ready, scene: Scene) -> None:
+    def _discard_old_scene(self, source: SceneSource, scene: Scene) -> None:
         """Prepare the space of the scene before this one for being freed, if this one has another."""
         if self.generation and self.scene.space is not scene.space:
             self._discard()
@@ -444,7 +444,7 @@ def load_log(path: str | Path) -> Log:
     text = read_text(path, "replay", _MAX_SIZE)
     try:
         log: Log = json.loads(text)
-        planned(log["plan"])
+        recorded_scene(log["plan"])
         for step, message in [*log["inputs"], (log["steps"], {"do": "drop"})]:
             whole("step", step, 0, _MAX_STEPS)
             checked(message, INPUTS)
@@ -453,5 +453,5 @@ def load_log(path: str | Path) -> Log:
         if not np.isfinite(np.array(log["poses"], dtype=float).reshape(len(log["poses"]), 3)).all():
             raise ValueError("a pose is not finite")
     except Exception as error:  # Whatever it is, the content is to blame.
-        raise FileFormatError(path, "no recording of a ready scene or of a march, or a damaged one") from error
+        raise FileFormatError(path, "no recording of a built-in scene or of a march, or a damaged one") from error
     return log

@@ -15,7 +15,7 @@ from traitlets import Unicode
 from pymunk_dragon._language import language
 from pymunk_dragon.drawing.debug_draw import still
 from pymunk_dragon.reports._html import asset, data_address
-from pymunk_dragon.sessions.handle import live_page
+from pymunk_dragon.sessions.page import live_page
 from pymunk_dragon.sessions.session import Session
 
 # Frames on the way to the page, at most; the page acknowledges every third one.
@@ -52,7 +52,7 @@ class LiveWidget(AnyWidget):
         """Display a picture of the present state, which remains in the notebook, and return the page as a bundle."""
         scene = self._session.scene
         with self._session.held:
-            content = still(scene.space, scene.field, y_down=scene.play.y_down, flags=scene.drawn)
+            content = still(scene.space, scene.field, y_down=scene.settings.y_down, flags=scene.drawn)
         picture = f'<img class="{self.still}" alt="A live session" src="{data_address(content, "image/png")}">'
         # In an output of its own: JupyterLab shows no other part of one whose widget is gone.
         display({"text/html": picture, "text/plain": self._session.source.title}, raw=True)

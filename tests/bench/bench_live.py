@@ -27,7 +27,7 @@ from browser import chromium, opened, wait_until
 from live_sessions import Client, joined
 
 from pymunk_dragon.sessions import Slider, live
-from pymunk_dragon.sessions.ready import _boxes
+from pymunk_dragon.sessions.scenes import _boxes
 
 CLIENTS, SECONDS = sized((20, 600.0), (2, 6.0))
 OBSTACLES, RESETS = 30, 20
