@@ -485,7 +485,7 @@ def test_program_whose_clock_starts_with_0_s_goes_on():
     for length in (0.0, 0.01, 0.0, 0.005, 0.01):
         session.step(length)
         session.scene.frame({})
-    assert session.running
+    assert session.clock.running
     assert session.scene.steps == 5
     assert session.scene.time == pytest.approx(0.025)
 

@@ -21,9 +21,9 @@ from pymunk_dragon.model.march import March
 from pymunk_dragon.sessions.controls import Button, Key
 from pymunk_dragon.sessions.live import source_of
 from pymunk_dragon.sessions.page import live_page
+from pymunk_dragon.sessions.replay import load_log
 from pymunk_dragon.sessions.scene import PlaySettings
 from pymunk_dragon.sessions.scenes import SCENES, add, march_scene, space_scene
-from pymunk_dragon.sessions.session import load_log
 
 pytestmark = [pytest.mark.thorough, needs_browser]
 
@@ -352,7 +352,7 @@ def test_watching_page_has_no_controls(browser):
             page.keyboard.press(key)
         wait_simulated(page, 0.3)
         assert log_of(session)["inputs"] == []
-        assert session._session.running
+        assert session._session.clock.running
 
 
 def test_page_behind_a_proxy_with_a_prefix_asks_for_addresses_with_the_prefix(browser):

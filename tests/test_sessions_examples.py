@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import re
 import runpy
@@ -13,7 +14,7 @@ import numpy as np
 import pymunk
 import pytest
 from documents import GUIDES
-from live_sessions import decoded
+from live_sessions import Listener, decoded
 from test_sessions_input import keep_queries
 
 from pymunk_dragon.sessions import Live
@@ -177,12 +178,12 @@ def played_example(monkeypatch):
             session = live._session
             if not sessions_open:
                 sessions_open.append(live)
-                session.speed = 20.0
+                session.clock.speed = 20.0
             number = session.scene.steps - 10
             if number == 0:
                 before.append(count(session.scene.space))
             for message in inputs[number] if 0 <= number < len(inputs) else ():
-                session.post(message)
+                Listener(session, []).take(json.dumps(message))
             step(live, dt)
             if session.scene.steps >= STEPS:
                 raise ReachedStepError

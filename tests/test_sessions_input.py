@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import math
 
 import numpy as np
 import pymunk
 import pytest
 from conftest import assert_says
-from live_sessions import listener, played
+from live_sessions import Listener, played
 from PIL import Image
 
 from pymunk_dragon import Key, ParameterError, PillowDrawOptions, PygameEvents
@@ -249,8 +248,8 @@ class Clients:
         self.known = {}
 
     def send(self, client_name, action, /, **arguments):
-        client = self.known.setdefault(client_name, listener([]))
-        self.session.receive(client, json.dumps({"do": action, **arguments}))
+        client = self.known.setdefault(client_name, Listener(self.session, []))
+        client.do(action, **arguments)
 
     def leave(self, name):
         self.session.leave(self.known[name])
@@ -444,7 +443,7 @@ def test_program_without_a_window_has_the_state_of_keys_and_mouse_and_is_not_pau
         assert pygame.key.get_pressed()[pygame.K_LEFT]
         assert pygame.key.get_mods() & pygame.KMOD_SHIFT
         assert (pygame.mouse.get_pos(), pygame.mouse.get_pressed()) == ((3, 4), (False, False, True))
-        assert on.session.running
+        assert on.session.clock.running
         assert on.errors == []
 
 

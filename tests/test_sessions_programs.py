@@ -8,7 +8,7 @@ import numpy as np
 import pymunk
 import pytest
 from conftest import assert_says
-from live_sessions import greeting, played
+from live_sessions import Listener, greeting, played
 
 from pymunk_dragon import Button, DragonError, Key, ParameterError, Slider, live
 from pymunk_dragon.sessions.scene import PlaySettings
@@ -142,7 +142,7 @@ def test_exception_in_a_users_function_pauses_once_shows_its_line_and_the_sessio
         on.do("play")
         if kind == "button":
             on.do("press", name="Fail", down=True)
-        while on.session.running or not [message for message in on.told if message["kind"] == "error"]:
+        while on.session.clock.running or not [message for message in on.told if message["kind"] == "error"]:
             on.settle()
         for _ in range(20):
             on.settle()
@@ -176,7 +176,7 @@ def test_charts_have_energy_and_momentum_and_the_quantities_of_the_user():
 def test_session_pauses_after_the_step_in_which_the_next_pair_touches():
     with played(space_scene(build, PlaySettings(step=1 / 600))) as on:
         assert on.do("until_contact") is None
-        while on.session.running:
+        while on.session.clock.running:
             on.settle()
         # The ball falls 45 px to the floor.
         assert on.scene.time == pytest.approx(math.sqrt(2 * 45 / 900), abs=2 / 600)
@@ -196,7 +196,7 @@ def test_sliders_that_rebuild_are_all_taken_when_they_wait_together():
         errors = []
         with on.session.held:
             for name, value in (("links", 4.0), ("gravity", 100.0), ("links", 6.0)):
-                on.session.post({"do": "set", "name": name, "value": value}, errors.append)
+                Listener(on.session, errors).do("set", name=name, value=value)
         on.settle()
         assert errors == []
         assert (len(on.scene.joints()), on.scene.space.gravity) == (6, (0, 100))

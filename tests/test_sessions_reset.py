@@ -10,7 +10,7 @@ import numpy as np
 import pymunk
 import pytest
 from conftest import assert_says
-from live_sessions import PATIENCE, greeting, listener, played, replay_session, replayed
+from live_sessions import PATIENCE, Listener, greeting, played, replay_session, replayed
 
 from pymunk_dragon import Button, DragonError, Key, ParameterError, Slider, live
 from pymunk_dragon.model.dragon import Dragon
@@ -85,7 +85,7 @@ def test_reset_after_a_replay_has_the_values_with_which_the_recording_began():
     session, _ = replay_session(log)
     assert session.wait_for_replay() == 0
     begun = threading.Event()
-    session.post({"do": "reset"})
+    Listener(session, []).do("reset")
     session.call(begun.set)
     assert begun.wait(PATIENCE)
     session.stop()
@@ -516,7 +516,7 @@ def test_session_goes_on_after_an_error_in_each_function_of_the_users():
             on.told.clear()
             failing.fails = True
             on.do(action, **arguments)
-            while not on.errors or on.session.running or on.session._single_steps:
+            while not on.errors or on.session.clock.running or on.session.clock.single_steps:
                 on.settle()
             assert ["ZeroDivisionError" in error for error in on.errors] == [True]
             failing.fails = False
@@ -554,9 +554,9 @@ def test_program_with_a_loop_of_its_own_gets_its_errors_and_goes_on(watched, cap
     plots, told = {"p": fail}, []
     session = Session(space_scene(lambda: space, PlaySettings(step=None, plots=plots, controls=[Button("b", fail)])))
     if watched:
-        session.join(listener(told))
+        session.join(Listener(session, told))
         assert not told[0]["resets"]
-    session.post({"do": "press", "name": "b", "down": True})
+    Listener(session, []).do("press", name="b", down=True)
     errors = []
     for _ in range(60):
         try:
@@ -577,10 +577,10 @@ def test_exit_in_a_function_of_the_users_ends_the_session_and_what_its_clients_s
 
     ended = threading.Event()
     with played(space_scene(build, PlaySettings(controls=[Button("Quit", leave)]))) as on:
-        client = listener([])
+        client = Listener(on.session, [])
         client.stop = ended.set
         on.session.join(client)
-        on.session.post({"do": "press", "name": "Quit", "down": True})
+        client.do("press", name="Quit", down=True)
         assert ended.wait(PATIENCE)
 
 

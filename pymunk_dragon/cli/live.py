@@ -13,8 +13,9 @@ from pymunk_dragon._extras import library
 from pymunk_dragon._language import text
 from pymunk_dragon.cli import common
 from pymunk_dragon.sessions.live import Live
+from pymunk_dragon.sessions.replay import Log, load_log
 from pymunk_dragon.sessions.scenes import SCENES, march_scene, named_scene, recorded_scene
-from pymunk_dragon.sessions.session import Log, Session, load_log
+from pymunk_dragon.sessions.session import Session
 
 
 @common.command("", "near-miss", "--benches 60 --from 300 -o live.json", "--replay live.json --exit")
@@ -63,7 +64,7 @@ def serve(session: Session, log: Log | None, path: Path | None, **address: Any) 
 
 def _replay_at_once(session: Session, log: Log | None, path: Path | None, **_: Any) -> None:
     """Play a recording again as fast as possible."""
-    session.speed = math.inf
+    session.clock.speed = math.inf
     session.start()
     try:
         _wait_for_replay(session, log)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pymunk
 
-from pymunk_dragon._arguments import Array, finite, number, positive, whole, word
+from pymunk_dragon._arguments import Array, number, word
 from pymunk_dragon.drawing.canvas import in_binary, packed
 from pymunk_dragon.drawing.debug_draw import DrawRecorder, area
 from pymunk_dragon.errors import DragonError, ParameterError
@@ -24,8 +24,6 @@ _HAND_ACCELERATION, _HAND_SIZE = 1000.0, 10.0
 # Share of the distance to the pointer that is left after a second, as in Pymunk's examples.
 _HAND_BIAS = (1 - 0.15) ** 60
 _OBSTACLE_FRICTION = 0.4
-# Largest turn of the wheel in a message, more than a hand makes between two pictures.
-_MOST_NOTCHES = 100.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -123,7 +121,9 @@ class Scene:
 
     def set(self, name: str, value: float) -> None:
         """Change a value: by the action of its slider or, if the slider does not rebuild, as a property."""
-        slider, self.values[name] = self.parameters[name], value
+        slider = self.parameters[word("name", name, self.parameters)]
+        value = slider.checked(value)
+        self.values[name] = value
         if slider.action is not None:
             slider.action(self.space, value)
         elif name == "step":
@@ -143,17 +143,13 @@ class Scene:
             action(self.space)
             self._wake()
 
-    def pointer(self, x: float, y: float, kind: str, button: int = 1) -> None:
+    def pointer(self, x: float, y: float, kind: str, button: int) -> None:
         """Hand the pointer on to a pygame program, whose window has its origin at the upper left."""
-        kind = word("kind", kind, ("down", "move", "up"))
-        button = whole("button", button, 1, 3)
         down = y if self.settings.y_down else self.field["size"][1] - y
         self._pygame_events().pointer(x, down, kind, button)
 
     def wheel(self, right: float, up: float) -> None:
         """Hand a turn of the wheel on to a pygame program: notches to the right, and up."""
-        right = finite("right", right, -_MOST_NOTCHES, _MOST_NOTCHES, "notches")
-        up = finite("up", up, -_MOST_NOTCHES, _MOST_NOTCHES, "notches")
         self._pygame_events().wheel(right, up)
 
     def _pygame_events(self) -> PygameEvents:
@@ -202,10 +198,13 @@ class Scene:
 
     def obstacle(self, shape: str, x: float, y: float, size: float) -> None:
         """Put a round or square obstacle, `size` in diameter or side, on the ground."""
-        half, ground = positive("size", size, math.inf, self.settings.units) / 2, self.space.static_body
-        box = pymunk.BB.newForCircle((x, y), half)
-        is_round = word("shape", shape, ("round", "square")) == "round"
-        found = pymunk.Circle(ground, half, (x, y)) if is_round else pymunk.Poly.create_box_bb(ground, box)
+        half = size / 2
+        ground = self.space.static_body
+        found: pymunk.Shape
+        if shape == "round":
+            found = pymunk.Circle(ground, half, (x, y))
+        else:
+            found = pymunk.Poly.create_box_bb(ground, pymunk.BB.newForCircle((x, y), half))
         found.friction = _OBSTACLE_FRICTION
         number = max(self._obstacles, default=0) + 1
         self._obstacles[number] = {"id": number, "shape": shape, "x": x, "y": y, "size": 2 * half}, found

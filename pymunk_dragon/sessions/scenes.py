@@ -89,7 +89,7 @@ def space_scene(build: Callable[..., pymunk.Space], settings: PlaySettings) -> S
         scene = Scene(space, settings)
         for name, slider in scene.parameters.items():
             if name in own and name in values:
-                scene.set(name, slider.checked(values[name]))
+                scene.set(name, values[name])
             elif name in values:
                 # The range is that of the space that was built now.
                 scene.set(name, min(max(values[name], slider.low), slider.high))

@@ -24,7 +24,7 @@ from playwright.sync_api import Page
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from browser import chromium, opened, wait_until
-from live_sessions import Client, joined
+from live_sessions import SocketClient, joined
 
 from pymunk_dragon.sessions import Slider, live
 from pymunk_dragon.sessions.scenes import _boxes
@@ -83,7 +83,7 @@ async def watch(address: str, seconds: float, acts: bool = False) -> list[float]
     return times
 
 
-async def act(client: Client) -> None:
+async def act(client: SocketClient) -> None:
     """Put obstacles, drag all the time, and reset again and again."""
     for k in range(OBSTACLES):
         await client.send("obstacle", shape="round", x=2.0 * k, y=-20.0, size=0.5)
