@@ -124,8 +124,8 @@ def add(
     lesson: str | None = None,
     saved_as: Any = None,
     **settings: Any,
-) -> None:
-    """Add a scene, whose text is the docstring of `build`.
+) -> Any:
+    """Add a scene, whose text is the docstring of `build`; return `build`.
 
     With `PlaySettings`, `build` returns a space; without, it returns a scene from values of sliders.
     """
@@ -138,9 +138,10 @@ def add(
         build=make,
         saved_as=saved_as,
     )
+    return build
 
 
-def _scene(name: str, title: str, lesson: str | None = None, **settings: Any) -> Callable[[Any], None]:
+def _scene(name: str, title: str, lesson: str | None = None, **settings: Any) -> Callable[[Any], Any]:
     """Return a decorator that adds a scene, whose name stands in recordings."""
     saved_as = {"scene": name}
     return partial(add, name=name, title=title, lesson=lesson, saved_as=saved_as, **settings)
