@@ -615,7 +615,7 @@ def test_clients_that_never_read_or_that_flood_do_not_stop_others():
             first = await client.shown()
             # More than sockets hold.
             for _ in range(60):
-                session._session.tell({"kind": "event", "time": 0.0, "text": "x" * 100_000})
+                session._session.clients.tell({"kind": "event", "time": 0.0, "text": "x" * 100_000})
             flooding = asyncio.create_task(flood(session.address))
             for number in range(20):
                 await client.send("ping", id=number)

@@ -19,7 +19,7 @@ from pymunk_dragon._arguments import finite
 from pymunk_dragon.drawing.canvas import without_nan
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.physics.callbacks import callbacks_raise
-from pymunk_dragon.sessions.client import Client
+from pymunk_dragon.sessions.client import Client, Clients
 from pymunk_dragon.sessions.clock import Clock, EventLimit
 from pymunk_dragon.sessions.holds import Holds
 from pymunk_dragon.sessions.messages import (
@@ -62,8 +62,8 @@ class Session:
     `turn` makes all progress. A thread calls it after `start`; a program with a loop of its own calls `step`, which
     calls it; without threads, call it again after the time that it returns, or when a client has sent a message.
 
-    Three locks, which are taken in this order: `held` while a turn is made, so that a program that holds it may change
-    the space; that of the clients while they get a message; and that of the messages that wait.
+    There is one lock, `held`, while a turn is made: a program that holds it may change the space. `Clients` and
+    `Waiting` each have a lock of their own, while which is held no other of these is taken.
     """
 
     def __init__(
@@ -77,22 +77,17 @@ class Session:
         self._own = source
         # Values of sliders with which the scene of one's own begins.
         self._first = dict(log["values"]) if log else {}
-        self.clients: tuple[Client, ...] = ()
+        self.clients = Clients()
         self.generation = 0
         self.clock = Clock(now, running=running)
 
         self.held = threading.RLock()
-        self._sharing = threading.Lock()
         self._waiting = Waiting()
         self._ended = threading.Event()
         self._thread: threading.Thread | None = None
 
         self._holds = Holds()
         self._event_limit = EventLimit()
-        # What clients were sent last: the scene, its state, and the error by which the session is paused.
-        self._description: dict[str, Any] = {}
-        self._last_state: dict[str, Any] | None = None
-        self._failure: list[dict[str, Any]] = []
         # Whether a step was made, and its error, for a program that makes the steps itself.
         self._step_made = False
         self._step_error: Exception | None = None
@@ -156,19 +151,14 @@ class Session:
 
     def join(self, client: Client) -> None:
         """Send a client all messages and frames from now on: first the scene, and the error by which it is paused."""
-        with self._sharing:
-            self.clients = (*self.clients, client)
-            self._last_state = None
-            for message in (self._description, *self._failure):
-                client.tell(message)
+        self.clients.join(client)
         self.call(_nothing)
         if self._ended.is_set():
             client.stop()
 
     def leave(self, client: Client) -> None:
         """Forget a client, and let go of what it holds."""
-        with self._sharing:
-            self.clients = tuple(each for each in self.clients if each is not client)
+        self.clients.leave(client)
         self.call(partial(self._let_go, client))
 
     def receive(self, client: Client, message: Message) -> None:
@@ -180,12 +170,6 @@ class Session:
     def call(self, action: Callable[[], object]) -> None:
         """Have something done in the session's thread, between two steps."""
         self._waiting.add(action)
-
-    def tell(self, message: dict[str, Any]) -> None:
-        """Send a message to all clients."""
-        with self._sharing:
-            for client in self.clients:
-                client.tell(message)
 
     def state(self) -> dict[str, Any]:
         """Return what changes now and then."""
@@ -298,10 +282,8 @@ class Session:
             if answer is not None and isinstance(error, DragonError):
                 answer(failure)
             # An error is sent once, and not again in each frame of a session that it paused.
-            elif self._failure != [failure]:
-                self._failure = [failure]
+            elif self.clients.tell_failure(failure):
                 self._fail(error)
-                self.tell(failure)
 
     def _fail(self, error: Exception) -> None:
         """Pause at an error, and end a replay; a program that makes the steps itself would wait for ever."""
@@ -311,10 +293,7 @@ class Session:
 
     def _show(self, now: float) -> None:
         """Send clients the state if it changed, and a frame, now and then with values for charts."""
-        state = self.state()
-        if state != self._last_state:
-            self._last_state = state
-            self.tell(state)
+        self.clients.tell_state(self.state())
         header: dict[str, Any] = {"generation": self.generation, "clock": now, "step_time": self._step_seconds}
         with self._watched():
             if self.clock.plot_is_due(now):
@@ -332,7 +311,7 @@ class Session:
 
         texts = [each for each in found if isinstance(each, str)]
         for text in self._event_limit.passed(texts, now):
-            self.tell({"kind": "event", "time": self.scene.time, "text": text})
+            self.clients.tell({"kind": "event", "time": self.scene.time, "text": text})
         if len(found) > len(texts):
             raise ParameterError("events", found, "a list of texts")
 
@@ -353,8 +332,7 @@ class Session:
             "text": source.text,
             "lesson": source.lesson,
         }
-        self._description = without_nan(about | self.scene.to_dict())
-        self.tell(self._description)
+        self.clients.tell_scene(without_nan(about | self.scene.to_dict()))
 
     def _let_go(self, client: Client) -> None:
         """Release what a client holds that has left; an error is nobody's."""
@@ -368,13 +346,13 @@ class Session:
             match message:
                 case Play():
                     self.clock.play()
-                    self._failure = []
+                    self.clients.forget_failure()
                     self.scene.waits_for_contact |= isinstance(message, UntilContact)
                 case Pause():
                     self.clock.pause()
                 case Step():
                     self.clock.step(message.count)
-                    self._failure = []
+                    self.clients.forget_failure()
                 case Speed():
                     self.clock.speed = message.value
                 case ChangeScene():
@@ -402,12 +380,11 @@ class Session:
 
     def _build(self, source: SceneSource, values: Mapping[str, float]) -> None:
         """Begin anew with values of sliders; the old scene stays if the new one cannot be built."""
-        self.tell({"kind": "building"})
-        self._last_state = None
+        self.clients.tell_building()
         try:
             scene = source.build(values)
         except Exception:
-            self.tell(self._description)
+            self.clients.tell_scene()
             raise
         self._discard_old_scene(source, scene)
 
@@ -417,7 +394,7 @@ class Session:
         self.generation += 1
         self._end_replay(None)
         self.clock.single_steps = 0
-        self._failure = []
+        self.clients.forget_failure()
         # Events of the old scene that were not sent are not counted.
         self._event_limit.forget()
         self._describe()
