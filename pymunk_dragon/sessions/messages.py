@@ -162,10 +162,8 @@ class Set(Input):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Grab(Input):
-    """Hold the body that is drawn on top at a point, or the nearest within `slip`."""
-
-    do = "grab"
+class _At(Input):
+    """An input at a point, which may miss its target by `slip`."""
 
     x: float
     y: float
@@ -173,6 +171,12 @@ class Grab(Input):
 
     def __post_init__(self) -> None:
         self._check(_coordinate, "x", "y", "slip")
+
+
+class Grab(_At):
+    """Hold the body that is drawn on top at a point, or the nearest within `slip`."""
+
+    do = "grab"
 
     def apply(self, scene: Scene) -> None:
         """Change a scene."""
@@ -210,18 +214,10 @@ class Drop(Input):
         scene.drop()
 
 
-@dataclass(frozen=True, kw_only=True)
-class Cut(Input):
+class Cut(_At):
     """Cut the joint within `slip` of a point."""
 
     do = "cut"
-
-    x: float
-    y: float
-    slip: float
-
-    def __post_init__(self) -> None:
-        self._check(_coordinate, "x", "y", "slip")
 
     def apply(self, scene: Scene) -> None:
         """Change a scene."""

@@ -35,7 +35,7 @@ OBSTACLES, RESETS = 30, 20
 FRAMES = sized(600, 30)
 # Where on the page the centre of a box is.
 BOX = """() => {
-  const { points } = live.frame.calls.filter(({ moves }) => moves).at(-1);
+  const { points } = live.frame.calls.filter(({ grip }) => grip > 0).at(-1);
   const { left, top } = document.getElementById("field").getBoundingClientRect();
   const [x, y] = live.view.toScreen(...[0, 1].map((k) => points.reduce((sum, one) => sum + one[k] / points.length, 0)));
   return [left + x, top + y];
