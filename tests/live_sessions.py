@@ -14,27 +14,46 @@ from types import SimpleNamespace
 import aiohttp
 import numpy as np
 
-from pymunk_dragon.sessions.handle import Live, source_of
-from pymunk_dragon.sessions.ready import planned
-from pymunk_dragon.sessions.scene import Play
-from pymunk_dragon.sessions.session import Log, Session
+from pymunk_dragon.sessions.client import Client
+from pymunk_dragon.sessions.live import Live, source_of
+from pymunk_dragon.sessions.replay import Log
+from pymunk_dragon.sessions.scene import PlaySettings
+from pymunk_dragon.sessions.scenes import recorded_scene
+from pymunk_dragon.sessions.session import Session
 
 # s that anything may take on a busy machine.
 PATIENCE = 60.0
 
 
-def listener(told: list[object]):
-    """A client of a session; `told` gets its texts."""
-    return SimpleNamespace(tell=told.append, show=lambda frame: None, stop=lambda: None, controls=True)
+class Listener(Client):
+    """A client of a session in the same process; `told` gets its messages."""
+
+    def __init__(self, session, told):
+        self.session = session
+        self.told = told
+
+    def tell(self, message):
+        self.told.append(message)
+
+    def show(self, frame):
+        """Have no use for pictures."""
+
+    def stop(self):
+        """Have nothing to end."""
+
+    def do(self, action, **arguments):
+        """Send a message as a page does."""
+        self.take(json.dumps({"do": action, **arguments}))
 
 
 class Played:
     """A paused session without a server: `do` sends a message, `step` makes steps as fast as they go."""
 
-    def __init__(self, source):
-        self.session = Session(source if hasattr(source, "build") else source_of(source, Play()), running=False)
+    def __init__(self, source, **options):
+        source = source if hasattr(source, "build") else source_of(source, PlaySettings())
+        self.session = Session(source, running=False, **options)
         self.told = []
-        self.session.join(listener(self.told))
+        self.session.join(Listener(self.session, self.told))
         self.session.start()
 
     @property
@@ -51,7 +70,7 @@ class Played:
     def do(self, action, **arguments):
         """Send a message; the error that it is answered with."""
         answers = []
-        self.session.receive(listener(answers), json.dumps({"do": action, **arguments}))
+        Listener(self.session, answers).do(action, **arguments)
         self.settle()
         return answers[0]["text"] if answers else None
 
@@ -60,7 +79,7 @@ class Played:
         begin = self.scene.steps
         assert self.do("step", count=count) is None
         end = time.monotonic() + 10 * PATIENCE
-        while self.session._single_steps:
+        while self.session.clock.single_steps:
             assert time.monotonic() < end, "the session does not step"
             self.settle()
         self.settle()
@@ -88,14 +107,14 @@ class Played:
 def greeting(on: Played):
     """What a client is sent when it connects."""
     told: list[object] = []
-    on.session.join(listener(told))
+    on.session.join(Listener(on.session, told))
     return told[:]
 
 
 @contextmanager
-def played(source: object):
+def played(source: object, **options: object):
     """A `Played` session, which is stopped in the end."""
-    found = Played(source)
+    found = Played(source, **options)
     try:
         yield found
     finally:
@@ -104,8 +123,8 @@ def played(source: object):
 
 def replay_session(log: Log, before: Callable[[Session], object] = lambda session: None):
     """A session that has begun a replay, as fast as it goes, and what it sends; `before` is called with it first."""
-    session, told = Session(planned(log["plan"]), log=log), []
-    session.join(listener(told))
+    session, told = Session(recorded_scene(log["plan"]), log=log), []
+    session.join(Listener(session, told))
     before(session)
     session.start()
     return session, told
@@ -113,8 +132,8 @@ def replay_session(log: Log, before: Callable[[Session], object] = lambda sessio
 
 def replayed(log: Log):
     """The last poses of a replay and its session."""
-    session = Session(planned(log["plan"]), log=log)
-    session.speed = np.inf
+    session = Session(recorded_scene(log["plan"]), log=log)
+    session.clock.speed = np.inf
     session.start()
     assert session.wait_for_replay() is not None
     session.stop()
@@ -138,7 +157,7 @@ def decoded(frame: bytes):
 @contextmanager
 def served(source: object = "pendulum", **options: object):
     """A session with a server, without a browser."""
-    session = Session(source if hasattr(source, "build") else source_of(source, Play()))
+    session = Session(source if hasattr(source, "build") else source_of(source, PlaySettings()))
     found = Live(session, **{"host": "127.0.0.1", "port": 0} | options)
     try:
         yield found
@@ -146,7 +165,7 @@ def served(source: object = "pendulum", **options: object):
         found.stop()
 
 
-class Client:
+class SocketClient:
     """One end of a WebSocket."""
 
     def __init__(self, socket: aiohttp.ClientWebSocketResponse):
@@ -190,4 +209,4 @@ async def joined(address: str, **options: object):
         aiohttp.ClientSession() as http,
         http.ws_connect(f"{page}socket?{query}", max_msg_size=0, **options) as socket,
     ):
-        yield Client(socket)
+        yield SocketClient(socket)

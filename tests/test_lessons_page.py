@@ -14,8 +14,8 @@ from pymunk_dragon.lessons import LESSONS
 from pymunk_dragon.lessons._framework.lesson import blocks
 from pymunk_dragon.lessons._framework.notebook import make_notebook
 from pymunk_dragon.lessons._framework.page import make_page
-from pymunk_dragon.sessions.handle import Live
-from pymunk_dragon.sessions.ready import add, ready
+from pymunk_dragon.sessions.live import Live
+from pymunk_dragon.sessions.scenes import add, named_scene
 from pymunk_dragon.sessions.session import Session
 
 pytestmark = [pytest.mark.thorough, needs_browser]
@@ -219,7 +219,7 @@ def test_experiments_with_pymunk_are_live_on_a_live_server(browser):
     page = make_page([played("callbacks"), played("tension")], live=True)
     for name in ("callbacks", "tension"):
         add(**LESSONS[name].scene())
-    session = Session(ready("unguided"))
+    session = Session(named_scene("unguided"))
     with (
         Live(session, host="127.0.0.1", port=0, front=page) as running,
         opened(browser, f"{running.address}&zh") as seen,

@@ -14,8 +14,8 @@ import pytest
 import pymunk_dragon
 from pymunk_dragon import Dragon, Line, March, World
 from pymunk_dragon.physics.readings import NO_ARROW, Readings, Touches, energies, impulse_of, units
-from pymunk_dragon.sessions.ready import dragon, program
-from pymunk_dragon.sessions.scene import Play, Scene
+from pymunk_dragon.sessions.scene import PlaySettings, Scene
+from pymunk_dragon.sessions.scenes import march_scene, space_scene
 from pymunk_dragon.sessions.session import Session
 
 TOTAL = "Kinetic and potential energy"
@@ -412,7 +412,7 @@ def test_session_waits_for_a_sensor_and_pauses():
         space.add(gate)
         return space
 
-    scene = program(build, Play(step=0.01)).build({})
+    scene = space_scene(build, PlaySettings(step=0.01)).build({})
     scene.waits_for_contact = True
     while not scene.stops:
         scene.advance()
@@ -431,7 +431,7 @@ def gap(world):
 
 @pytest.mark.parametrize("factor", [0.25, 0.5, 2.0])
 def test_slider_of_the_step_does_not_jolt_a_dragon_that_only_the_head_pulls(factor):
-    scene = dragon(March(Dragon(benches=120))).build({})
+    scene = march_scene(March(Dragon(benches=120))).build({})
     scene.contacts("report")
     scene.release(1)
     for _ in range(300):
@@ -481,11 +481,11 @@ def hanging():
 
 
 def test_program_whose_clock_starts_with_0_s_goes_on():
-    session = Session(program(hanging, Play(step=None)))
+    session = Session(space_scene(hanging, PlaySettings(step=None)))
     for length in (0.0, 0.01, 0.0, 0.005, 0.01):
         session.step(length)
         session.scene.frame({})
-    assert session.running
+    assert session.clock.running
     assert session.scene.steps == 5
     assert session.scene.time == pytest.approx(0.025)
 
@@ -495,7 +495,9 @@ def test_program_whose_clock_starts_with_0_s_goes_on():
 
 def test_page_gets_units_of_forces_torques_and_energies_in_the_lengths_of_the_space():
     assert units("m") == {"force": "N", "torque": "N m", "impulse": "N s", "energy": "J"}
-    about = Scene(hanging(), Play(units="px", plots={"Momentum": lambda space: 0.0, "Height (px)": len})).to_dict()
+    about = Scene(
+        hanging(), PlaySettings(units="px", plots={"Momentum": lambda space: 0.0, "Height (px)": len})
+    ).to_dict()
     assert about["unit_of"] == {
         "force": "kg px/s²",
         "torque": "kg px²/s²",

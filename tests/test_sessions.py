@@ -16,6 +16,7 @@ import sys
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
+from dataclasses import fields
 from pathlib import Path
 from urllib.parse import urlsplit
 
@@ -24,7 +25,7 @@ import numpy as np
 import pymunk
 import pytest
 from conftest import assert_says, linux_only
-from live_sessions import PATIENCE, greeting, joined, listener, played, replay_session, replayed, served
+from live_sessions import PATIENCE, Listener, greeting, joined, played, replay_session, replayed, served
 
 from pymunk_dragon.errors import DragonError, MissingExtraError
 from pymunk_dragon.lessons import LESSONS
@@ -32,10 +33,34 @@ from pymunk_dragon.model.curves import Line
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.sessions import Slider, live
-from pymunk_dragon.sessions.ready import add, dragon, ready
-from pymunk_dragon.sessions.session import ACTIONS, load_log
+from pymunk_dragon.sessions.messages import KINDS, read_message
+from pymunk_dragon.sessions.replay import load_log
+from pymunk_dragon.sessions.scenes import add, march_scene, named_scene
 
 SHORT = March(Dragon(benches=20))
+# One message of each kind that controls a session.
+EACH_MESSAGE = [
+    {"do": "play"},
+    {"do": "until_contact"},
+    {"do": "pause"},
+    {"do": "reset"},
+    {"do": "step", "count": 3},
+    {"do": "speed", "value": 2.0},
+    {"do": "scene", "name": "boxes"},
+    {"do": "set", "name": "iterations", "value": 17.0},
+    {"do": "grab", "x": 0.0, "y": 1.0, "slip": 0.1},
+    {"do": "drag", "x": 0.0, "y": 1.0},
+    {"do": "drop"},
+    {"do": "cut", "x": 0.0, "y": 1.0, "slip": 0.1},
+    {"do": "obstacle", "shape": "round", "x": 0.0, "y": 1.0, "size": 0.5},
+    {"do": "remove", "obstacle": 1},
+    {"do": "press", "name": "a", "down": True},
+    {"do": "pointer", "x": 0.0, "y": 1.0, "kind": "down", "button": 1},
+    {"do": "wheel", "right": 0.0, "up": 1.0},
+    {"do": "contacts", "value": "stop"},
+    {"do": "release", "bench": 2},
+    {"do": "hold"},
+]
 
 
 def run(coroutine):
@@ -80,9 +105,24 @@ def without_generation(session):
     return session.state() | {"generation": None}, session.scene.poses().tolist()
 
 
+def test_messages_are_read_from_json_and_written_as_they_were():
+    assert {message["do"] for message in EACH_MESSAGE} == {name for name in KINDS if name != "ping"}
+    for message in EACH_MESSAGE:
+        assert read_message(message).to_dict() == message
+        for wrong in (message | {"more": 1}, message | {"do": "advance"}, {**message, "do": None}):
+            with pytest.raises(ValueError, match="message"):
+                read_message(wrong)
+        for name in message.keys() - {"do"}:
+            for value in (None, [], math.nan, 10**400):
+                with pytest.raises(ValueError, match=r"\w"):
+                    read_message(message | {name: value})
+            with pytest.raises(ValueError, match="message"):
+                read_message({key: value for key, value in message.items() if key != name})
+
+
 @pytest.mark.parametrize("name", ["dragon", "pendulum", "boxes"])
 def test_replay_of_a_saved_session_ends_in_the_same_state_to_the_bit_and_reset_undoes_everything(name, tmp_path):
-    with played(dragon(SHORT) if name == "dragon" else ready(name)) as on:
+    with played(march_scene(SHORT) if name == "dragon" else named_scene(name)) as on:
         fresh = without_generation(on.session)
         touch(on, 13)
         # After the last step.
@@ -91,7 +131,7 @@ def test_replay_of_a_saved_session_ends_in_the_same_state_to_the_bit_and_reset_u
         (tmp_path / "session.json").write_text(json.dumps(log))
         assert on.do("reset") is None
         assert without_generation(on.session) == fresh
-        assert (on.scene.steps, on.scene.time, on.session.inputs) == (0, 0.0, [])
+        assert (on.scene.steps, on.scene.time, on.session.log()["inputs"]) == (0, 0.0, [])
     read = load_log(tmp_path / "session.json")
     assert read == json.loads(json.dumps(log))
     poses, session = replayed(read)
@@ -105,7 +145,7 @@ def test_replay_of_a_saved_session_ends_in_the_same_state_to_the_bit_and_reset_u
 
 def test_head_at_the_end_of_its_path_stays_there():
     march = March(Dragon(benches=6), Line(start=(-30.0, 0.0), stop=(3.0, 0.0)), start_s=32.0)
-    with played(dragon(march)) as on:
+    with played(march_scene(march)) as on:
         on.do("obstacle", shape="square", x=2.5, y=0.1, size=1.0)
         on.do("contacts", value="report")
         while "the head is at the end of its path" not in on.events:
@@ -120,7 +160,7 @@ def test_head_at_the_end_of_its_path_stays_there():
 
 def test_replay_goes_on_where_the_recorded_session_paused_at_a_contact():
     march = March(Dragon(benches=12), Line(start=(-30.0, 0.0), stop=(30.0, 0.0)), start_s=28.0)
-    with played(dragon(march)) as on:
+    with played(march_scene(march)) as on:
         on.do("contacts", value="stop")
         on.do("obstacle", shape="square", x=2.0, y=0.1, size=1.0)
         assert on.step(1000) < 1000
@@ -141,35 +181,36 @@ def test_bodies_that_fly_apart_pause_the_session_and_come_back_with_reset():
 
 
 def test_events_and_messages_that_wait_are_bounded_and_a_new_scene_begins_without_those_before():
-    with played("pendulum") as on:
+    time = [100.0]
+    with played("pendulum", now=lambda: time[0]) as on:
         on.session.call(lambda: on.scene.events.extend(["x"] * 100))
         on.step(1)
         assert on.events == ["x"] * 20
         on.do("reset")
         on.session.call(lambda: on.scene.events.append("y"))
         # A second passes.
-        on.session._second = 0.0
+        time[0] += 1.0
         on.step(1)
         assert on.events[20:] == ["y"]
         answers = []
         with on.session.held:
             for _ in range(1500):
-                on.session.receive(listener(answers), '{"do": "drop"}')
+                Listener(on.session, answers).do("drop")
         assert len(answers) == 500
 
 
 def test_inputs_are_refused_during_a_replay_and_another_scene_ends_it():
-    with played(dragon(SHORT)) as on:
+    with played(march_scene(SHORT)) as on:
         on.step(30)
         on.do("cut", **joint_at(on, 5))
         on.step(1)
         log = on.session.log()
     errors = []
-    session, _ = replay_session(log, lambda session: session.post({"do": "release", "bench": 2}, errors.append))
+    session, _ = replay_session(log, lambda session: Listener(session, errors).do("release", bench=2))
     assert session.wait_for_replay() == 0
     session.stop()
     assert (len(errors), session.state()["cuts"], session.state()["free_from"]) == (1, [5], None)
-    session, _ = replay_session(log, lambda session: session.post({"do": "scene", "name": "pendulum"}))
+    session, _ = replay_session(log, lambda session: Listener(session, []).do("scene", name="pendulum"))
     assert session.wait_for_replay() is None
     session.stop()
     assert session.source.name == "pendulum"
@@ -216,7 +257,7 @@ def test_dragon_keeps_its_place_where_the_time_step_changes():
 
 
 def test_tail_behind_a_cut_joint_stays_while_the_head_goes_on():
-    with played(dragon(March(Dragon(benches=60)))) as on:
+    with played(march_scene(March(Dragon(benches=60)))) as on:
         on.run(1.0)
         before = on.frame()
         np.testing.assert_allclose(before.poses, on.scene.poses(), rtol=1e-6)
@@ -234,7 +275,7 @@ def test_tail_behind_a_cut_joint_stays_while_the_head_goes_on():
 
 
 def test_dancers_who_come_back_bring_every_bench_to_the_exact_model():
-    with played(dragon(March(Dragon(benches=40)))) as on:
+    with played(march_scene(March(Dragon(benches=40)))) as on:
         on.run(0.5)
         assert on.do("release", bench=1) is None
         assert on.session.state()["free_from"] == 1
@@ -270,7 +311,7 @@ def test_obstacle_in_the_way_stops_the_march_only_if_contacts_push_apart_and_unt
             on.run(4.0)
             assert next(event for event in on.events if "obstacle" in event) == "bench 0 and an obstacle touch"
             if contacts == "stop":
-                assert not on.session.running
+                assert not on.session.clock.running
                 assert on.scene.time < 4
                 continue
             march_time, x = on.frame().march_time, on.frame().poses[0, 0]
@@ -313,7 +354,7 @@ def test_hand_pulls_dynamic_bodies_only_with_at_most_1000_newtons_per_kilogram()
 
 
 def test_sliders_that_rebuild_begin_anew_with_their_value():
-    with played(dragon(SHORT)) as on:
+    with played(march_scene(SHORT)) as on:
         for name, value in (("pitch", 0.7), ("width", 0.25), ("benches", 12.0)):
             on.step(10)
             generation = on.session.generation
@@ -345,7 +386,7 @@ def test_values_out_of_range_and_things_that_do_not_exist_are_refused_and_change
         "scene": [{"name": "../etc"}],
         "set": [{"name": "shoe size", "value": 1.0}],
     }
-    for source in (dragon(SHORT), ready("boxes")):
+    for source in (march_scene(SHORT), named_scene("boxes")):
         with played(source) as on:
             on.step(3)
             before = on.session.state(), on.session.log()
@@ -377,14 +418,14 @@ def test_reset_puts_a_space_of_ones_own_back():
 
 def random_message(dice):
     """A text or bytes, and whether it is a message, whose arguments may be impossible."""
-    action = dice.choice([name for name in ACTIONS if name not in ("scene", "ping")])
+    action = dice.choice([name for name in KINDS if name not in ("scene", "ping")])
     values = {
-        int: dice.choice([0, 1, -1, 3, dice.randrange(20), 10**18, -(10**30)]),
-        float: dice.choice([0.0, -0.0, 1.5, 1e-300, 1e6, 1e308, math.nan, math.inf, dice.gauss(0, 5)]),
-        str: dice.choice(["", "step", "iterations", "drag", "speed", "stop", "report", "resolve", "round", "square"]),
-        bool: True,
+        "int": dice.choice([0, 1, -1, 3, dice.randrange(20), 10**18, -(10**30)]),
+        "float": dice.choice([0.0, -0.0, 1.5, 1e-300, 1e6, 1e308, math.nan, math.inf, dice.gauss(0, 5)]),
+        "str": dice.choice(["", "step", "iterations", "drag", "speed", "stop", "report", "resolve", "round", "square"]),
+        "bool": True,
     }
-    message = {"do": action} | {name: values[kind] for name, kind in ACTIONS[action].items()}
+    message = {"do": action} | {each.name: values[each.type] for each in fields(KINDS[action])}
     odd = dice.choice([None, True, 0, 10**400, math.nan, "", "\ud800", [[]], {"do": {}}])
     objects = odd, {**message, "more": odd}, {**message, "do": "advance"}, {**message, dice.choice([*message]): [None]}
     texts = "", "{", "[" * 4000, '{"do":' * 600, "\x00", "nan", '{"do": "play"} x', "9" * 4096, "x" * 4097
@@ -429,7 +470,7 @@ def test_random_messages_crash_nothing_and_each_malformed_one_is_answered(client
             first = await client.shown(lambda frame: frame.generation > answer["generation"])
             await client.shown(lambda frame: frame.time > first.time + 0.1)
 
-    with served(dragon(SHORT)) as session:
+    with served(march_scene(SHORT)) as session:
         run(all_attacks(session))
     assert failures == []
 
@@ -500,10 +541,9 @@ def test_watchers_control_nothing():
         async with joined(session.watch_address) as client:
             assert (await client.told("scene"))["role"] == "watch"
             before = await client.told("state")
-            for action, arguments in ACTIONS.items():
-                if action != "ping":
-                    await client.send(action, **{name: kind() for name, kind in arguments.items()})
-                    await client.told("error")
+            for message in EACH_MESSAGE:
+                await client.socket.send_str(json.dumps(message))
+                await client.told("error")
         async with joined(session.address) as client:
             assert (await client.told("scene"))["role"] == "control"
             assert await client.told("state", clients=1) == before
@@ -575,7 +615,7 @@ def test_clients_that_never_read_or_that_flood_do_not_stop_others():
             first = await client.shown()
             # More than sockets hold.
             for _ in range(60):
-                session._session.tell({"kind": "event", "time": 0.0, "text": "x" * 100_000})
+                session._session.clients.tell({"kind": "event", "time": 0.0, "text": "x" * 100_000})
             flooding = asyncio.create_task(flood(session.address))
             for number in range(20):
                 await client.send("ping", id=number)

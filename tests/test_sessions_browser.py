@@ -19,10 +19,11 @@ from pymunk_dragon.lessons import LESSONS
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.sessions.controls import Button, Key
-from pymunk_dragon.sessions.handle import live_page, source_of
-from pymunk_dragon.sessions.ready import SCENES, add, dragon, program
-from pymunk_dragon.sessions.scene import Play
-from pymunk_dragon.sessions.session import load_log
+from pymunk_dragon.sessions.live import source_of
+from pymunk_dragon.sessions.page import live_page
+from pymunk_dragon.sessions.replay import load_log
+from pymunk_dragon.sessions.scene import PlaySettings
+from pymunk_dragon.sessions.scenes import SCENES, add, march_scene, space_scene
 
 pytestmark = [pytest.mark.thorough, needs_browser]
 
@@ -138,7 +139,7 @@ def test_rod_follows_the_mouse_and_the_replay_of_saved_inputs_is_equal(browser, 
 
 
 def test_page_shows_the_largest_error_and_its_tool_cuts_the_joint_that_is_clicked(browser):
-    with shown(browser, dragon(March(Dragon(benches=60)))) as (session, page):
+    with shown(browser, march_scene(March(Dragon(benches=60)))) as (session, page):
         pause(page, session)
         errors = decoded(session._session.scene.frame({})).errors  # The page draws charts ten times a second.
         wait_until(page, f"document.querySelector('#value-error').textContent.endsWith(', bench {errors.argmax()}')")
@@ -188,7 +189,7 @@ def pictures_of(film):
 
 @pytest.mark.parametrize("later", [(1281, 803), (700, 900)])
 def test_button_films_the_canvas_in_h264_also_while_its_size_changes(browser, tmp_path, later):
-    with shown(browser, dragon(March(Dragon(benches=30))), width=1281, height=803) as (_, page):
+    with shown(browser, march_scene(March(Dragon(benches=30))), width=1281, height=803) as (_, page):
         sizes = np.array(page.evaluate("['width', 'height'].map((side) => document.getElementById('field')[side])"))
         wide, high = later
         film = filmed(page, tmp_path, lambda: page.set_viewport_size({"width": wide, "height": high}))
@@ -246,10 +247,10 @@ def test_scene_is_in_sight_and_so_is_the_error_of_a_function(browser, width, hei
     def crash(space):
         raise ValueError("a reason")
 
-    ready = source_of(pymunk.Space, Play(controls=[Button("Crash", crash)]))
+    source = source_of(pymunk.Space, PlaySettings(controls=[Button("Crash", crash)]))
     with served("robot-arm") as session, visit(browser, session.address, width=width, height=height) as found:
         assert found.page.evaluate(IN_SIGHT)
-    with shown(browser, ready, width=width, height=height) as (session, page):
+    with shown(browser, source, width=width, height=height) as (session, page):
         # Only what the program can play again is offered.
         assert page.is_hidden("#save")
         page.evaluate("document.getElementById('parameters-part').open = true")
@@ -266,7 +267,7 @@ def test_page_shows_keys_events_errors_and_charts_of_a_program(browser):
     pressed, events = [], []
     keys = [Key("ArrowUp", lambda space: pressed.append("down"), lambda space: pressed.append("up"))]
     controls = [*keys, Button("Tell", lambda space: events.append("1 2 3 4 5")), Button("Crash", lambda space: 1 / 0)]
-    with shown(browser, source_of(pymunk.Space, Play(controls=controls, events=events))) as (_, page):
+    with shown(browser, source_of(pymunk.Space, PlaySettings(controls=controls, events=events))) as (_, page):
         assert "↑" in page.inner_text("#actions")
         page.keyboard.down("ArrowUp")
         # Another window has the focus when the key is released.
@@ -294,7 +295,7 @@ def test_page_shows_keys_events_errors_and_charts_of_a_program(browser):
 def test_button_that_starts_again_says_in_both_languages_where_the_run_may_differ(browser):
     titles = []
     for what in (pymunk.Space, pymunk.Space()):
-        with shown(browser, source_of(what, Play())) as (_, page):
+        with shown(browser, source_of(what, PlaySettings())) as (_, page):
             titles.append(page.get_attribute("#reset", "title"))
             page.click("#language")
             wait_until(page, "document.documentElement.lang === 'zh'")
@@ -319,7 +320,7 @@ def balance(gravity=9.81):
 
 
 def test_page_shows_forces_and_torques_in_their_units_and_on_scales_of_their_own(browser):
-    with shown(browser, program(balance, Play())) as (_, page):
+    with shown(browser, space_scene(balance, PlaySettings())) as (_, page):
         wait_until(page, "document.querySelector('#value-force').textContent === '9.8 kN, joint 0'")
         wait_until(page, "document.querySelector('#value-torque').textContent === '9.81 N m, joint 2'")
         assert page.evaluate("[live.painter.scales.force.top, live.painter.scales.torque.top]") == [4, 1]
@@ -351,7 +352,7 @@ def test_watching_page_has_no_controls(browser):
             page.keyboard.press(key)
         wait_simulated(page, 0.3)
         assert log_of(session)["inputs"] == []
-        assert session._session.running
+        assert session._session.clock.running
 
 
 def test_page_behind_a_proxy_with_a_prefix_asks_for_addresses_with_the_prefix(browser):
@@ -367,7 +368,7 @@ def test_page_behind_a_proxy_with_a_prefix_asks_for_addresses_with_the_prefix(br
 
 
 def test_page_switches_scenes_and_sets_parameters_without_complaints(browser):
-    with shown(browser, dragon(March(Dragon(benches=20)))) as (_, page):
+    with shown(browser, march_scene(March(Dragon(benches=20)))) as (_, page):
         for name in page.evaluate("live.scene.scenes.map((each) => each.name)"):
             page.select_option("#scene", name)
             wait_until(page, f"live.scene.name === '{name}' && live.frame?.generation === live.scene.generation")
@@ -409,7 +410,7 @@ def test_page_is_chinese_if_the_program_or_the_address_is(browser, program, link
 
 
 def test_benches_touch_after_all_are_let_go_and_a_button_changes_the_language_there_and_back(browser):
-    with shown(browser, dragon(March(Dragon(benches=40)))) as (session, page):
+    with shown(browser, march_scene(March(Dragon(benches=40)))) as (session, page):
         page.select_option("#contacts", "stop")
         page.click("#release")
         wait_until(page, "live.state.free_from === 1 && live.state.contacts === 'stop'")

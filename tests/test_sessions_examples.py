@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import re
 import runpy
@@ -13,11 +14,11 @@ import numpy as np
 import pymunk
 import pytest
 from documents import GUIDES
-from live_sessions import decoded
+from live_sessions import Listener, decoded
 from test_sessions_input import keep_queries
 
 from pymunk_dragon.sessions import Live
-from pymunk_dragon.sessions.scene import Play, Scene
+from pymunk_dragon.sessions.scene import PlaySettings, Scene
 
 EXAMPLES = Path(pymunk.__file__).parent / "examples"
 KINDS = ("circle", "segment", "polygon", "line", "dot")
@@ -111,7 +112,7 @@ def test_page_gets_what_pymunk_draws_of_its_examples_at_the_start_and_after_2_s(
     assert len(spaces) >= 26
     drawn, contacts = 0, 0
     for name, (space, dt) in spaces.items():
-        scene = Scene(space, Play(step=dt))
+        scene = Scene(space, PlaySettings(step=dt))
         assert_drawn_alike(scene, name)
         for _ in range(round(min(2.0, 500 * dt) / dt)):
             scene.advance()
@@ -177,12 +178,12 @@ def played_example(monkeypatch):
             session = live._session
             if not sessions_open:
                 sessions_open.append(live)
-                session.speed = 20.0
+                session.clock.speed = 20.0
             number = session.scene.steps - 10
             if number == 0:
                 before.append(count(session.scene.space))
             for message in inputs[number] if 0 <= number < len(inputs) else ():
-                session.post(message)
+                Listener(session, []).take(json.dumps(message))
             step(live, dt)
             if session.scene.steps >= STEPS:
                 raise ReachedStepError

@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-import json
 import math
 
 import numpy as np
 import pymunk
 import pytest
 from conftest import assert_says
-from live_sessions import listener, played
+from live_sessions import Listener, played
 from PIL import Image
 
 from pymunk_dragon import Key, ParameterError, PillowDrawOptions, PygameEvents
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
-from pymunk_dragon.sessions.ready import dragon, program
-from pymunk_dragon.sessions.scene import Play, Scene
+from pymunk_dragon.sessions.scene import PlaySettings, Scene
+from pymunk_dragon.sessions.scenes import march_scene, space_scene
 
 
 def ball(space, place, radius=0.5, **about):
@@ -52,7 +51,7 @@ def moved(kind):
 
 @pytest.mark.parametrize("kind", ["circle", "box", "kinematic", "turned", "segment"])
 def test_first_view_shows_bodies_that_were_moved_after_their_shapes_were_added(kind):
-    assert Scene(moved(kind), Play()).field == {
+    assert Scene(moved(kind), PlaySettings()).field == {
         "centre": pytest.approx([100, 50]),
         "size": pytest.approx([1 if kind == "segment" else 2, 2]),
     }
@@ -85,7 +84,7 @@ def test_static_body_that_is_moved_is_drawn_where_it_collides_until_it_is_reinde
     space.add(floor, pymunk.Segment(floor, (-5, 0), (5, 0), 0.1))
     floor.position = 0, -3
     body = ball(space, (0, 2))
-    scene = Scene(space, Play())
+    scene = Scene(space, PlaySettings())
     for bottom in (-0.1, -3.1):
         scene.fit()
         assert scene.field["centre"][1] - scene.field["size"][1] / 2 == pytest.approx(bottom)
@@ -130,7 +129,7 @@ def portal(space, time):
 def test_run_that_is_watched_equals_one_that_is_not_to_the_bit():
     ends, sleepers = [], set()
     for watched in (False, True):
-        scene = Scene(crowd(), Play(on_step=portal))
+        scene = Scene(crowd(), PlaySettings(on_step=portal))
         for _ in range(400):
             sleepers |= {body for body in scene.space.bodies if body.is_sleeping}
             if watched:
@@ -149,7 +148,7 @@ def test_run_that_is_watched_equals_one_that_is_not_to_the_bit():
 
 def taken(space, x, y, slip=0.1):
     """The body that the hand takes at a point, or None."""
-    scene = Scene(space, Play())
+    scene = Scene(space, PlaySettings())
     try:
         scene.grab(x, y, slip)
     except ValueError as error:
@@ -222,14 +221,14 @@ def test_hand_takes_a_box_at_its_edge_where_the_click_was(radius):
     body = pymunk.Body(1, 1)
     space.add(body, pymunk.Poly.create_box(body, (2, 2), radius))
     for place in ((1.0, 0.5), (-0.5, 1.0), (1.0, 1.0), (1.0 + radius, 0.0)):
-        scene = Scene(space, Play())
+        scene = Scene(space, PlaySettings())
         scene.grab(*place, 0.1)
         assert scene._held.anchor_b == pytest.approx(place)
         scene.drop()
 
 
 def test_where_two_benches_overlap_the_hand_takes_the_one_that_the_page_points_at():
-    with played(dragon(March(Dragon(benches=8), turns=3))) as on:
+    with played(march_scene(March(Dragon(benches=8), turns=3))) as on:
         world = on.scene.world
         for i in range(7):
             pivot = world.pivots[i]
@@ -249,8 +248,8 @@ class Clients:
         self.known = {}
 
     def send(self, client_name, action, /, **arguments):
-        client = self.known.setdefault(client_name, listener([]))
-        self.session.receive(client, json.dumps({"do": action, **arguments}))
+        client = self.known.setdefault(client_name, Listener(self.session, []))
+        client.do(action, **arguments)
 
     def leave(self, name):
         self.session.leave(self.known[name])
@@ -263,7 +262,7 @@ def test_key_is_released_when_the_last_client_that_holds_it_releases_it_or_leave
         return Key(name, lambda space: told.append(name), lambda space: told.append(f"{name} up"))
 
     keys = [noted("a"), noted("b")]
-    with played(program(pymunk.Space, Play(controls=keys))) as on:
+    with played(space_scene(pymunk.Space, PlaySettings(controls=keys))) as on:
         clients = Clients(on.session)
         for name in ("one", "two"):
             clients.send(name, "press", name="a", down=True)
@@ -358,7 +357,7 @@ def pointer(x, y, kind, button=1):
 
 def steered():
     """A session of a pygame program whose y points down."""
-    return played(program(pymunk.Space, Play(controls=[PygameEvents()], y_down=True)))
+    return played(space_scene(pymunk.Space, PlaySettings(controls=[PygameEvents()], y_down=True)))
 
 
 def test_all_buttons_of_the_mouse_reach_a_pygame_program(window):
@@ -444,7 +443,7 @@ def test_program_without_a_window_has_the_state_of_keys_and_mouse_and_is_not_pau
         assert pygame.key.get_pressed()[pygame.K_LEFT]
         assert pygame.key.get_mods() & pygame.KMOD_SHIFT
         assert (pygame.mouse.get_pos(), pygame.mouse.get_pressed()) == ((3, 4), (False, False, True))
-        assert on.session.running
+        assert on.session.clock.running
         assert on.errors == []
 
 

@@ -15,8 +15,8 @@ from test_sessions_input import ball, keep_queries
 
 from pymunk_dragon.physics.readings import body_at
 from pymunk_dragon.sessions.controls import Key, PygameEvents
-from pymunk_dragon.sessions.handle import source_of
-from pymunk_dragon.sessions.scene import Play
+from pymunk_dragon.sessions.live import source_of
+from pymunk_dragon.sessions.scene import PlaySettings
 
 pytestmark = [pytest.mark.thorough, needs_browser]
 
@@ -52,7 +52,7 @@ def mixed():
 
 
 def test_page_and_engine_take_the_same_body_at_every_point(browser):
-    with shown(browser, source_of(mixed, Play())) as (session, page):
+    with shown(browser, source_of(mixed, PlaySettings())) as (session, page):
         page.keyboard.press("Space")
         wait_until(page, "!live.state.running")
         scene = session._session.scene
@@ -80,7 +80,7 @@ def test_drag_on_empty_ground_inside_a_sensor_moves_the_view(browser):
         space.add(zone)
         return space
 
-    with shown(browser, source_of(guarded, Play())) as (_, page):
+    with shown(browser, source_of(guarded, PlaySettings())) as (_, page):
         for point, holds in (((2.0, 0.0), False), ((0.2, 0.0), True)):
             page.mouse.move(*page.evaluate(PLACE, list(point)))
             before = page.evaluate("[live.view.x, live.view.y]")
@@ -103,7 +103,7 @@ def playing(browser, monkeypatch, **options):
     pygame.init()
     pygame.display.set_mode((300, 200))
     pygame.event.clear()
-    play = Play(controls=[PygameEvents()], y_down=True, units="px")
+    play = PlaySettings(controls=[PygameEvents()], y_down=True, units="px")
     with shown(browser, source_of(pymunk.Space, play), **options) as (session, page):
         yield session, page, pygame
     pygame.quit()
@@ -204,7 +204,7 @@ def test_keys_with_shift_and_ctrl_reach_a_pygame_program_and_are_released(browse
 def test_key_whose_name_changes_with_shift_is_released(browser):
     told = []
     keys = [Key("w", lambda space: told.append("down"), lambda space: told.append("up"))]
-    with shown(browser, source_of(pymunk.Space, Play(controls=keys))) as (_, page):
+    with shown(browser, source_of(pymunk.Space, PlaySettings(controls=keys))) as (_, page):
         page.keyboard.down("KeyW")
         page.keyboard.down("Shift")
         page.keyboard.up("KeyW")

@@ -19,11 +19,10 @@ import pytest
 from browser import needs_browser, opened, wait_until
 from live_sessions import PATIENCE, decoded, played
 
-from pymunk_dragon.sessions import handle
-
 if find_spec("anywidget") is None:
     pytest.skip("no anywidget: pip install 'pymunk-dragon[notebook]'", allow_module_level=True)
 
+from pymunk_dragon.sessions import live
 from pymunk_dragon.sessions import widget as widgets
 
 PORTS = "{each.laddr for each in psutil.Process().net_connections('tcp') if each.status == 'LISTEN'}"
@@ -173,7 +172,7 @@ def test_page_gets_scene_state_and_frames_and_its_messages_reach_the_engine():
 def test_frames_wait_for_the_page_to_draw_those_before():
     with watched() as (on, widget):
         receive(widget, 0)
-        on.session.running = True
+        on.session.clock.play()
         wait(on.settle, lambda: on.scene.time > 0.5)
         numbers = [number for number, _ in widget.frames]
         assert numbers == list(range(1, widgets.MOST_FRAMES + 1))
@@ -218,17 +217,17 @@ def test_notebook_opens_a_port_only_for_the_address(monkeypatch, capsys):
     with monkeypatch.context() as patch:
         patch.setitem(sys.modules, "IPython", python)
         patch.setattr(widgets, "display", lambda data, raw: shown.append(data))
-        patch.setattr(handle.webbrowser, "open", lambda address: pytest.fail("a browser was opened"))
+        patch.setattr("webbrowser.open", lambda address: pytest.fail("a browser was opened"))
         shown = []
-        with handle.live("pendulum") as session, session.paused():
+        with live("pendulum") as session, session.paused():
             data, _ = session._repr_mimebundle_()
             assert "application/vnd.jupyter.widget-view+json" in data
             [still] = shown
             assert "data:image/png;base64,iVBOR" in still["text/html"]
             assert "_server" not in vars(session)
             assert session.address.startswith("http://127.0.0.1:")
-        patch.setattr(handle, "find_spec", lambda name: None)
-        with handle.live("pendulum", browser=False) as session:
+        patch.setitem(sys.modules, "anywidget", None)
+        with live("pendulum", browser=False) as session:
             assert session.address in session._repr_mimebundle_()["text/html"]
 
 

@@ -8,11 +8,11 @@ import numpy as np
 import pymunk
 import pytest
 from conftest import assert_says
-from live_sessions import greeting, played
+from live_sessions import Listener, greeting, played
 
 from pymunk_dragon import Button, DragonError, Key, ParameterError, Slider, live
-from pymunk_dragon.sessions.ready import program
-from pymunk_dragon.sessions.scene import Play
+from pymunk_dragon.sessions.scene import PlaySettings
+from pymunk_dragon.sessions.scenes import space_scene
 
 
 def build(gravity=900.0, links=3):
@@ -51,7 +51,7 @@ def rain(space, time):
 
 
 def test_reset_of_a_function_that_builds_the_space_repeats_the_run_to_the_bit_while_bodies_come_and_go():
-    with played(program(build, Play(on_step=rain))) as on:
+    with played(space_scene(build, PlaySettings(on_step=rain))) as on:
         counts, ends = set(), []
         for _ in range(2):
             for _ in range(12):
@@ -78,7 +78,7 @@ def test_controls_reach_the_space_and_values_outlast_a_rebuild():
         Key("ArrowLeft", lambda space: pressed.append("down"), lambda space: pressed.append("up")),
         Key("x", lambda space: pressed.append("x")),
     ]
-    with played(program(build, Play(controls=controls))) as on:
+    with played(space_scene(build, PlaySettings(controls=controls))) as on:
         assert {"gravity": 900, "links": 3, "mass": 2}.items() <= on.session.state()["values"].items()
         for name, value in (("gravity", 450.0), ("mass", 7.0), ("iterations", 20.0)):
             assert on.do("set", name=name, value=value) is None
@@ -132,17 +132,17 @@ def build_failing():
 @pytest.mark.parametrize("kind", ["on_step", "callback", "chart", "colour", "button"])
 def test_exception_in_a_users_function_pauses_once_shows_its_line_and_the_session_goes_on(kind, capfd):
     play = {
-        "on_step": Play(on_step=fail),
-        "callback": Play(),
-        "chart": Play(plots={"q": fail}),
-        "colour": Play(on_step=paint),
-        "button": Play(controls=[Button("Fail", fail)]),
+        "on_step": PlaySettings(on_step=fail),
+        "callback": PlaySettings(),
+        "chart": PlaySettings(plots={"q": fail}),
+        "colour": PlaySettings(on_step=paint),
+        "button": PlaySettings(controls=[Button("Fail", fail)]),
     }[kind]
-    with played(program(build_failing if kind == "callback" else build, play)) as on:
+    with played(space_scene(build_failing if kind == "callback" else build, play)) as on:
         on.do("play")
         if kind == "button":
             on.do("press", name="Fail", down=True)
-        while on.session.running or not [message for message in on.told if message["kind"] == "error"]:
+        while on.session.clock.running or not [message for message in on.told if message["kind"] == "error"]:
             on.settle()
         for _ in range(20):
             on.settle()
@@ -159,7 +159,9 @@ def test_exception_in_a_users_function_pauses_once_shows_its_line_and_the_sessio
 
 
 def test_charts_have_energy_and_momentum_and_the_quantities_of_the_user():
-    with played(program(build, Play(units="px", plots={"Height": lambda space: balls(space)[0].position.y}))) as on:
+    with played(
+        space_scene(build, PlaySettings(units="px", plots={"Height": lambda space: balls(space)[0].position.y}))
+    ) as on:
         on.step(10)
         kinetic, total, momentum, height = on.scene.plots().values()
         ball = balls(on.scene.space)[0]
@@ -172,9 +174,9 @@ def test_charts_have_energy_and_momentum_and_the_quantities_of_the_user():
 
 
 def test_session_pauses_after_the_step_in_which_the_next_pair_touches():
-    with played(program(build, Play(step=1 / 600))) as on:
+    with played(space_scene(build, PlaySettings(step=1 / 600))) as on:
         assert on.do("until_contact") is None
-        while on.session.running:
+        while on.session.clock.running:
             on.settle()
         # The ball falls 45 px to the floor.
         assert on.scene.time == pytest.approx(math.sqrt(2 * 45 / 900), abs=2 / 600)
@@ -190,18 +192,18 @@ def test_session_pauses_after_the_step_in_which_the_next_pair_touches():
 
 def test_sliders_that_rebuild_are_all_taken_when_they_wait_together():
     controls = [Slider("links", 1, 9, rebuilds=True), Slider("gravity", 0, 2000, rebuilds=True)]
-    with played(program(build, Play(controls=controls))) as on:
+    with played(space_scene(build, PlaySettings(controls=controls))) as on:
         errors = []
         with on.session.held:
             for name, value in (("links", 4.0), ("gravity", 100.0), ("links", 6.0)):
-                on.session.post({"do": "set", "name": name, "value": value}, errors.append)
+                Listener(on.session, errors).do("set", name=name, value=value)
         on.settle()
         assert errors == []
         assert (len(on.scene.joints()), on.scene.space.gravity) == (6, (0, 100))
 
 
 def test_steps_and_charts_make_no_buffers_as_pymunk_never_frees_them(monkeypatch):
-    with played(program(build, Play())) as on:
+    with played(space_scene(build, PlaySettings())) as on:
         monkeypatch.setattr("pymunk.batch.Buffer", None)
         assert on.step(50) == 50
         assert on.scene.plots()

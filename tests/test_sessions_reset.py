@@ -10,13 +10,13 @@ import numpy as np
 import pymunk
 import pytest
 from conftest import assert_says
-from live_sessions import PATIENCE, greeting, listener, played, replay_session, replayed
+from live_sessions import PATIENCE, Listener, greeting, played, replay_session, replayed
 
 from pymunk_dragon import Button, DragonError, Key, ParameterError, Slider, live
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
-from pymunk_dragon.sessions.ready import dragon, program, ready
-from pymunk_dragon.sessions.scene import Play
+from pymunk_dragon.sessions.scene import PlaySettings
+from pymunk_dragon.sessions.scenes import march_scene, named_scene, space_scene
 from pymunk_dragon.sessions.session import Session
 
 BOX = 0.5
@@ -38,7 +38,7 @@ SLIDERS = [Slider("links", 1, 9, rebuilds=True), Slider("gravity", 0, 30)]
 
 @pytest.mark.parametrize("order", [("links", "gravity"), ("gravity", "links"), ("gravity",), ("links",)])
 def test_reset_of_a_built_space_has_the_first_values_of_all_sliders_in_whatever_order_they_were_set(order):
-    with played(program(build, Play(controls=SLIDERS))) as on:
+    with played(space_scene(build, PlaySettings(controls=SLIDERS))) as on:
         for name in order:
             assert on.do("set", name=name, value={"links": 7.0, "gravity": 20.0}[name]) is None
         # Where a slider rebuilds, the others stay as they are.
@@ -55,12 +55,12 @@ def test_reset_of_a_built_space_has_the_first_values_of_all_sliders_in_whatever_
     [
         ("boxes", {"rows": 4.0, "gravity": 3.0, "iterations": 5.0}),
         ("sloppy-engine", {"pitch": 0.7, "step": 20.0, "drag": 4.0}),
-        (dragon(March(Dragon(benches=12))), {"benches": 9.0, "speed": 1.5, "width": 0.25}),
+        (march_scene(March(Dragon(benches=12))), {"benches": 9.0, "speed": 1.5, "width": 0.25}),
     ],
 )
 @pytest.mark.parametrize("backwards", [False, True])
-def test_reset_of_a_ready_scene_or_a_march_has_the_first_values_of_all_sliders(source, changes, backwards):
-    with played(ready(source) if isinstance(source, str) else source) as on:
+def test_reset_of_a_built_in_scene_or_a_march_has_the_first_values_of_all_sliders(source, changes, backwards):
+    with played(named_scene(source) if isinstance(source, str) else source) as on:
         first = on.session.state()["values"]
         for name in sorted(changes, reverse=backwards):
             assert on.do("set", name=name, value=changes[name]) is None
@@ -77,7 +77,7 @@ def test_reset_of_a_ready_scene_or_a_march_has_the_first_values_of_all_sliders(s
 
 
 def test_reset_after_a_replay_has_the_values_with_which_the_recording_began():
-    with played(dragon(March(Dragon(benches=12)))) as on:
+    with played(march_scene(March(Dragon(benches=12)))) as on:
         on.do("set", name="benches", value=9.0)
         on.do("set", name="drag", value=4.0)
         on.step(3)
@@ -85,7 +85,7 @@ def test_reset_after_a_replay_has_the_values_with_which_the_recording_began():
     session, _ = replay_session(log)
     assert session.wait_for_replay() == 0
     begun = threading.Event()
-    session.post({"do": "reset"})
+    Listener(session, []).do("reset")
     session.call(begun.set)
     assert begun.wait(PATIENCE)
     session.stop()
@@ -347,7 +347,7 @@ def test_callbacks_of_a_built_space_are_not_called_when_it_is_built_again_or_the
         space.on_collision(separate=lambda *_: called.append("separate"))
         return space
 
-    with played(program(make, Play(controls=[Slider("count", 1, 20, rebuilds=True)]))) as on:
+    with played(space_scene(make, PlaySettings(controls=[Slider("count", 1, 20, rebuilds=True)]))) as on:
         for message in ({"do": "reset"}, {"do": "set", "name": "count", "value": 5}, {"do": "scene", "name": "space"}):
             on.step(20)
             assert on.do(message.pop("do"), **message) is None
@@ -448,7 +448,7 @@ def test_controls_take_effect_on_a_sleeping_stack_and_a_cut_joint_lets_a_sleepin
         {"do": "press", "name": "Open", "down": True},
         {"do": "press", "name": "o", "down": False},
     ):
-        with played(program(sleeping_stack, Play(controls=controls))) as on:
+        with played(space_scene(sleeping_stack, PlaySettings(controls=controls))) as on:
             assert on.do(action.pop("do"), **action) is None
             assert not any(asleep(on.scene.space)), action
     space = sleeping_stack(1)
@@ -465,7 +465,9 @@ def test_controls_take_effect_on_a_sleeping_stack_and_a_cut_joint_lets_a_sleepin
 
 def test_slider_of_gravity_in_a_space_without_points_down_on_the_screen():
     for y_down, sign in ((True, 1), (False, -1)):
-        source = program(lambda: pymunk.Space(), Play(controls=[Slider("gravity", -9, 9, 0)], y_down=y_down))
+        source = space_scene(
+            lambda: pymunk.Space(), PlaySettings(controls=[Slider("gravity", -9, 9, 0)], y_down=y_down)
+        )
         with played(source) as on:
             for value in (5.0, 0.0, -3.0, 4.0):
                 assert on.do("set", name="gravity", value=value) is None
@@ -500,8 +502,8 @@ def test_session_goes_on_after_an_error_in_each_function_of_the_users():
 
     controls = [Button("b", lambda space: presses()), Slider("s", 0, 9, action=lambda space, value: moves())]
     controls.append(Key("k", print, lambda space: ups()))
-    play = Play(on_step=steps, controls=controls, plots={"p": lambda space: plots()}, events=events)
-    with played(program(make, play)) as on:
+    play = PlaySettings(on_step=steps, controls=controls, plots={"p": lambda space: plots()}, events=events)
+    with played(space_scene(make, play)) as on:
         for failing, action, arguments in (
             (builds, "reset", {}),
             (steps, "step", {"count": 1}),
@@ -514,7 +516,7 @@ def test_session_goes_on_after_an_error_in_each_function_of_the_users():
             on.told.clear()
             failing.fails = True
             on.do(action, **arguments)
-            while not on.errors or on.session.running or on.session._single_steps:
+            while not on.errors or on.session.clock.running or on.session.clock.single_steps:
                 on.settle()
             assert ["ZeroDivisionError" in error for error in on.errors] == [True]
             failing.fails = False
@@ -532,7 +534,7 @@ def test_session_goes_on_after_an_error_in_each_function_of_the_users():
 @pytest.mark.parametrize("result", [None, 3, [pymunk.Space()]], ids=lambda value: type(value).__name__)
 def test_function_that_builds_no_space_at_a_reset_is_named_and_the_old_scene_goes_on(result):
     spaces = [falling(2), result, falling(3)]
-    with played(program(lambda: spaces.pop(0), Play())) as on:
+    with played(space_scene(lambda: spaces.pop(0), PlaySettings())) as on:
         assert_says(ValueError(on.do("reset")), "build")
         assert on.step(3) == 3
         assert len(on.scene.poses()) == 2
@@ -550,11 +552,11 @@ def test_program_with_a_loop_of_its_own_gets_its_errors_and_goes_on(watched, cap
 
     space.on_collision(begin=begin)
     plots, told = {"p": fail}, []
-    session = Session(program(lambda: space, Play(step=None, plots=plots, controls=[Button("b", fail)])))
+    session = Session(space_scene(lambda: space, PlaySettings(step=None, plots=plots, controls=[Button("b", fail)])))
     if watched:
-        session.join(listener(told))
+        session.join(Listener(session, told))
         assert not told[0]["resets"]
-    session.post({"do": "press", "name": "b", "down": True})
+    Listener(session, []).do("press", name="b", down=True)
     errors = []
     for _ in range(60):
         try:
@@ -574,11 +576,11 @@ def test_exit_in_a_function_of_the_users_ends_the_session_and_what_its_clients_s
         raise SystemExit
 
     ended = threading.Event()
-    with played(program(build, Play(controls=[Button("Quit", leave)]))) as on:
-        client = listener([])
+    with played(space_scene(build, PlaySettings(controls=[Button("Quit", leave)]))) as on:
+        client = Listener(on.session, [])
         client.stop = ended.set
         on.session.join(client)
-        on.session.post({"do": "press", "name": "Quit", "down": True})
+        client.do("press", name="Quit", down=True)
         assert ended.wait(PATIENCE)
 
 
@@ -586,14 +588,14 @@ def test_exit_in_a_function_of_the_users_ends_the_session_and_what_its_clients_s
     "value", [None, "3 m", [1.0], np.zeros(2), np.zeros(1), 1j, pymunk.Vec2d(1, 2)], ids=lambda value: repr(value)
 )
 def test_message_about_a_chart_without_a_number_names_the_chart_and_the_value(value):
-    with played(program(build, Play(plots={"Height of the ball": lambda space: value}))) as on:
+    with played(space_scene(build, PlaySettings(plots={"Height of the ball": lambda space: value}))) as on:
         with pytest.raises(ParameterError) as raised:
             on.scene.plots()
         assert_says(raised.value, "Height of the ball", repr(value)[:5])
 
 
 def test_message_about_a_chart_that_fails_names_the_chart_and_the_line():
-    with played(program(build, Play(plots={"Height of the ball": fail}))) as on:
+    with played(space_scene(build, PlaySettings(plots={"Height of the ball": fail}))) as on:
         on.do("play")
         while not on.errors:
             on.settle()
@@ -605,7 +607,7 @@ def test_message_about_a_chart_that_fails_names_the_chart_and_the_line():
 def test_charts_take_all_kinds_of_numbers():
     values = {"a": 3, "b": True, "c": np.float32(2), "d": np.True_, "e": math.nan, "f": 10**400, "g": np.int8(4)}
     plots = {name: lambda space, value=value: value for name, value in values.items()}
-    with played(program(build, Play(plots=plots))) as on:
+    with played(space_scene(build, PlaySettings(plots=plots))) as on:
         found = [on.scene.plots()[name] for name in plots]
         assert found == [3, 1, 2, 1, pytest.approx(math.nan, nan_ok=True), math.inf, 4]
         assert on.frame()

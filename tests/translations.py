@@ -14,7 +14,7 @@ from pymunk_dragon._language import texts
 from pymunk_dragon.drawing.figures import FIGURES
 from pymunk_dragon.lessons import LESSONS
 from pymunk_dragon.lessons._framework.lesson import _chinese
-from pymunk_dragon.sessions.ready import SCENES
+from pymunk_dragon.sessions.scenes import SCENES
 from pymunk_dragon.studies import STUDIES
 from pymunk_dragon.sweeps.quantities import QUANTITIES
 

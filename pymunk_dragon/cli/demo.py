@@ -56,12 +56,14 @@ def _serve(lessons: list[Lesson], address: dict[str, Any]) -> None:
     """Run the lessons, and show their page on a live server until it is stopped."""
     library("aiohttp")
     from pymunk_dragon.cli.live import serve
-    from pymunk_dragon.sessions.ready import add, ready
+    from pymunk_dragon.sessions.scenes import add, named_scene
     from pymunk_dragon.sessions.session import Session
 
     with progress("demo") as show:
         page = run_page(lessons, language(), show, live=True)
     for each in [each for each in lessons if each.builds_scene]:
         add(**each.scene())
-    session = Session(ready(next((each.options["scene"] for each in lessons if "scene" in each.options), "dragon")))
+    session = Session(
+        named_scene(next((each.options["scene"] for each in lessons if "scene" in each.options), "dragon"))
+    )
     serve(session, None, None, front=page, **address)

@@ -21,9 +21,10 @@ from pymunk_dragon.cli.options import (
     start_option,
 )
 from pymunk_dragon.cli.output import destination_of, write_result
-from pymunk_dragon.sessions.handle import Live
-from pymunk_dragon.sessions.ready import SCENES, dragon, planned, ready
-from pymunk_dragon.sessions.session import Log, Session, load_log
+from pymunk_dragon.sessions.live import Live
+from pymunk_dragon.sessions.replay import Log, load_log
+from pymunk_dragon.sessions.scenes import SCENES, march_scene, named_scene, recorded_scene
+from pymunk_dragon.sessions.session import Session
 
 
 @command("", "near-miss", "--benches 60 --from 300 -o live.json", "--replay live.json --exit")
@@ -38,7 +39,7 @@ def live(scene: str | None, start: float, replay: str | None, ends: bool, output
     """Play the dragon in real time, and touch it in a browser. A scene has its own dragon."""
     own = flags_given("scenario", *option_values(), "start")
     if sum(map(bool, (scene, own, replay))) > 1:
-        raise click.UsageError("a ready scene and a recording have their own dragon: leave out the other options")
+        raise click.UsageError("a built-in scene and a recording have their own dragon: leave out the other options")
     if ends and replay is None:
         raise click.UsageError("--exit ends a replay: give a recording with --replay")
     if not ends:
@@ -46,9 +47,9 @@ def live(scene: str | None, start: float, replay: str | None, ends: bool, output
     path = destination_of(output, [".json"])
     log = None if replay is None else load_log(replay)
     if log is not None:
-        source = planned(log["plan"])
+        source = recorded_scene(log["plan"])
     else:
-        source = dragon(chosen_march(), start=start) if own else ready(scene or "dragon")
+        source = march_scene(chosen_march(), start=start) if own else named_scene(scene or "dragon")
     session = Session(source, log=log)
     (_replay_at_once if ends else serve)(session, log, path, **address)
 
@@ -72,7 +73,7 @@ def serve(session: Session, log: Log | None, path: Path | None, **address: Any) 
 
 def _replay_at_once(session: Session, log: Log | None, path: Path | None, **_: Any) -> None:
     """Play a recording again as fast as possible."""
-    session.speed = math.inf
+    session.clock.speed = math.inf
     session.start()
     try:
         _wait_for_replay(session, log)

@@ -21,6 +21,6 @@ play on the page, 21 of Pymunk's own examples among them, recordings, sessions f
 from __future__ import annotations
 
 from pymunk_dragon.sessions.controls import Button, Key, PygameEvents, Slider
-from pymunk_dragon.sessions.handle import Live, live
+from pymunk_dragon.sessions.live import Live, live
 
 __all__ = ["Button", "Key", "Live", "PygameEvents", "Slider", "live"]

@@ -19,7 +19,7 @@ from pymunk_dragon.physics.readings import arbiter_rows, impulse_of, joint_at
 from pymunk_dragon.physics.world import World, top_speed
 from pymunk_dragon.player.data import CURVE_ERROR, curve_points
 from pymunk_dragon.sessions.controls import Slider, slider_around
-from pymunk_dragon.sessions.scene import Play, Scene
+from pymunk_dragon.sessions.scene import PlaySettings, Scene
 
 Values = Mapping[str, float]
 
@@ -51,7 +51,7 @@ class DragonScene(Scene):
         self._curve = curve_points(march, start, start)
         low, high = self._curve.min(axis=0), self._curve.max(axis=0)
         (x, y), (width, height) = (low + high) / 2, high - low + march.dragon.lengths.max()
-        super().__init__(self.world.space, Play(step=self.world.substep, field=(x, y, width, height)))
+        super().__init__(self.world.space, PlaySettings(step=self.world.substep, field=(x, y, width, height)))
         self.time = start
         self._numbers: dict[pymunk.Shape, int] = {shape: number for number, shape in enumerate(self.world.shapes)}
         # Rows of the contacts of pairs that touch, and of those in the step before.

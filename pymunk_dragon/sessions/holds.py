@@ -1,11 +1,11 @@
-"""What clients hold: a body, keys, and buttons of the pointer; who leaves lets go of it."""
+"""What clients hold: a body, keys, and buttons of the pointer. It is released when they leave."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
 
-Message = dict[str, Any]
+from pymunk_dragon.sessions.messages import Drop, Grab, Input, Pointer, Press
+
 _Thing = tuple[object, ...]
 
 _HAND = ("hand",)
@@ -17,7 +17,7 @@ class _Hold:
 
     client: object
     thing: _Thing
-    release: Message
+    release: Input
 
 
 class Holds:
@@ -26,7 +26,7 @@ class Holds:
     def __init__(self) -> None:
         self._all: list[_Hold] = []
 
-    def allows(self, client: object, message: Message) -> bool:
+    def allows(self, client: object, message: Input) -> bool:
         """Whether a message takes effect: what two hold is released when the second lets go."""
         thing, release = _taken(message)
         if thing is None or release is not None:
@@ -34,9 +34,9 @@ class Holds:
         holders = self._holders(thing)
         return len(holders) < 2 or not _has(holders, client)
 
-    def note(self, client: object, message: Message) -> None:
+    def note(self, client: object, message: Input) -> None:
         """Note what a message of a client takes hold of, or lets go of."""
-        if message["do"] == "pointer":
+        if isinstance(message, Pointer):
             self._move(client, message)
         thing, release = _taken(message)
         if thing is None:
@@ -51,7 +51,7 @@ class Holds:
         if release is not None:
             self._all.append(_Hold(client, thing, release))
 
-    def leave(self, client: object) -> list[Message]:
+    def leave(self, client: object) -> list[Input]:
         """Forget a client; return the messages that let go of what nobody else holds."""
         gone = [each for each in self._all if each.client is client]
         self._all = [each for each in self._all if each.client is not client]
@@ -60,26 +60,29 @@ class Holds:
     def _holders(self, thing: _Thing) -> list[object]:
         return [each.client for each in self._all if each.thing == thing]
 
-    def _move(self, client: object, message: Message) -> None:
+    def _move(self, client: object, pointer: Pointer) -> None:
         """Have buttons released where the pointer was last."""
         for each in self._all:
-            if each.client is client and each.release["do"] == "pointer":
-                each.release |= {"x": message["x"], "y": message["y"]}
+            if each.client is client and isinstance(each.release, Pointer):
+                each.release = replace(each.release, x=pointer.x, y=pointer.y)
 
 
 def _has(clients: list[object], client: object) -> bool:
     return any(each is client for each in clients)
 
 
-def _taken(message: Message) -> tuple[_Thing | None, Message | None]:
+def _taken(message: Input) -> tuple[_Thing | None, Input | None]:
     """Return what a message takes or lets go, if it does; and the message that lets go if it takes."""
     match message:
-        case {"do": "grab"}:
-            return _HAND, {"do": "drop"}
-        case {"do": "drop"}:
+        case Grab():
+            return _HAND, Drop()
+        case Drop():
             return _HAND, None
-        case {"do": "press", "name": name, "down": down}:
-            return ("key", name), message | {"down": False} if down else None
-        case {"do": "pointer", "kind": "down" | "up" as kind, "button": button}:
-            return ("button", button), message | {"kind": "up"} if kind == "down" else None
+        case Press():
+            release = replace(message, down=False) if message.down else None
+            return ("key", message.name), release
+        case Pointer(kind="down"):
+            return ("button", message.button), replace(message, kind="up")
+        case Pointer(kind="up"):
+            return ("button", message.button), None
     return None, None

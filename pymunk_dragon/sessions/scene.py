@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pymunk
 
-from pymunk_dragon._arguments import Array, finite, number, positive, whole, word
+from pymunk_dragon._arguments import Array, number, word
 from pymunk_dragon.drawing.debug_draw import DrawRecorder, area
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.physics.readings import QUANTITIES, Readings, Touches, body_at, energies, grip, joint_at, units
@@ -24,12 +24,10 @@ _HAND_ACCELERATION, _HAND_SIZE = 1000.0, 10.0
 # Share of the distance to the pointer that is left after a second, as in Pymunk's examples.
 _HAND_BIAS = (1 - 0.15) ** 60
 _OBSTACLE_FRICTION = 0.4
-# Largest turn of the wheel in a message, more than a hand makes between two pictures.
-_MOST_NOTCHES = 100.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class Play:
+class PlaySettings:
     """How a space is played: the keywords of `live`."""
 
     # s; None where a program makes the steps itself.
@@ -50,12 +48,12 @@ class Scene:
     # What pictures and the page show of Pymunk's debug drawing; contacts are sent apart.
     drawn = DrawRecorder.DRAW_SHAPES | DrawRecorder.DRAW_CONSTRAINTS
 
-    def __init__(self, space: pymunk.Space, play: Play = Play()) -> None:
-        self.space, self.play = space, play
+    def __init__(self, space: pymunk.Space, settings: PlaySettings = PlaySettings()) -> None:
+        self.space, self.settings = space, settings
         # A program makes its first step later.
-        self.step_length = self._chosen_length = play.step or 1 / 60
+        self.step_length = self._chosen_length = settings.step or 1 / 60
         self.steps, self.time = 0, 0.0
-        self.events: list[str] = [] if play.events is None else play.events
+        self.events: list[str] = [] if settings.events is None else settings.events
         self.stops = self.waits_for_contact = False
         # Obstacles by number: what the page gets, and the shape.
         self._obstacles: dict[int, tuple[dict[str, Any], pymunk.Shape]] = {}
@@ -66,13 +64,13 @@ class Scene:
         self._readings = Readings(space)
         # What touches, while the scene waits for a contact.
         self._touches: Touches | None = None
-        self.pygame = next((each for each in play.controls if isinstance(each, PygameEvents)), None)
-        self._pressed = {each.name: each for each in play.controls if isinstance(each, Button)}
-        down = pymunk.Vec2d(0, 1 if play.y_down else -1)
+        self.pygame = next((each for each in settings.controls if isinstance(each, PygameEvents)), None)
+        self._pressed = {each.name: each for each in settings.controls if isinstance(each, Button)}
+        down = pymunk.Vec2d(0, 1 if settings.y_down else -1)
         self._down = space.gravity.normalized() if space.gravity.length > 0 else down
         # Sliders, and their present values: the user's come first, and replace those of the scene.
         known = {each.name: each for each in self._sliders()}
-        own = {each.name: each for each in play.controls if isinstance(each, Slider)}
+        own = {each.name: each for each in settings.controls if isinstance(each, Slider)}
         self.parameters = own | known | own
         # Values at the start: of a slider without, that of the space, or the lowest.
         given = {each.name: each.value for each in [*known.values(), *own.values()] if each.value is not None}
@@ -80,8 +78,8 @@ class Scene:
         self.fit()
 
     def fit(self) -> None:
-        """Choose the area to show at first: that of `Play.field`, of pygame's window, or of what is drawn."""
-        field = self.play.field or (self.pygame and self.pygame.field) or area(self.space)
+        """Choose the area to show at first: that of `PlaySettings.field`, of pygame's window, or of what is drawn."""
+        field = self.settings.field or (self.pygame and self.pygame.field) or area(self.space)
         self.field: dict[str, list[float]] = {"centre": list(field[:2]), "size": list(field[2:])}
 
     def advance(self) -> None:
@@ -89,8 +87,8 @@ class Scene:
         if self.waits_for_contact and self._touches is None:
             self._touches = Touches(self.space)
         self.step_length = self._next_length()
-        if self.play.on_step is not None:
-            self.play.on_step(self.space, self.time)
+        if self.settings.on_step is not None:
+            self.settings.on_step(self.space, self.time)
         self._readings.before_step(self.step_length)
         self.space.step(self.step_length)
         self.steps += 1
@@ -103,7 +101,7 @@ class Scene:
 
     def _next_length(self) -> float:
         """Return the length of the next step, s, which approaches the chosen one, unless a program makes the steps."""
-        if self.play.step is None:
+        if self.settings.step is None:
             return self.step_length
         before = self.step_length if self.steps else 0.0
         return next_length(before, self._chosen_length)
@@ -115,15 +113,17 @@ class Scene:
             Slider("step", ms / 10, 10 * ms, ms, label="Time step", unit="ms", logarithmic=True),
             slider_around("iterations", 1, 200, space.iterations, label="Iterations", logarithmic=True, whole=True),
             slider_around("damping", 0, 1, space.damping, label="Velocity kept in 1 s"),
-            Slider("gravity", 0, 3 * g or 1.0, g, label="Gravity", unit=f"{self.play.units}/s²"),
+            Slider("gravity", 0, 3 * g or 1.0, g, label="Gravity", unit=f"{self.settings.units}/s²"),
         ]
         # A program that makes the steps itself chooses their length.
-        hidden = {"step": self.play.step is None, "gravity": g == 0}
+        hidden = {"step": self.settings.step is None, "gravity": g == 0}
         return [each for each in known if not hidden.get(each.name)]
 
     def set(self, name: str, value: float) -> None:
         """Change a value: by the action of its slider or, if the slider does not rebuild, as a property."""
-        slider, self.values[name] = self.parameters[name], value
+        slider = self.parameters[word("name", name, self.parameters)]
+        value = slider.checked(value)
+        self.values[name] = value
         if slider.action is not None:
             slider.action(self.space, value)
         elif name == "step":
@@ -143,20 +143,16 @@ class Scene:
             action(self.space)
             self._wake()
 
-    def pointer(self, x: float, y: float, kind: str, button: int = 1) -> None:
+    def pointer(self, x: float, y: float, kind: str, button: int) -> None:
         """Hand the pointer on to a pygame program, whose window has its origin at the upper left."""
-        kind = word("kind", kind, ("down", "move", "up"))
-        button = whole("button", button, 1, 3)
-        down = y if self.play.y_down else self.field["size"][1] - y
-        self._program().pointer(x, down, kind, button)
+        down = y if self.settings.y_down else self.field["size"][1] - y
+        self._pygame_events().pointer(x, down, kind, button)
 
     def wheel(self, right: float, up: float) -> None:
         """Hand a turn of the wheel on to a pygame program: notches to the right, and up."""
-        right = finite("right", right, -_MOST_NOTCHES, _MOST_NOTCHES, "notches")
-        up = finite("up", up, -_MOST_NOTCHES, _MOST_NOTCHES, "notches")
-        self._program().wheel(right, up)
+        self._pygame_events().wheel(right, up)
 
-    def _program(self) -> PygameEvents:
+    def _pygame_events(self) -> PygameEvents:
         if self.pygame is None:
             raise ParameterError("pointer", None, "sent to a program with PygameEvents")
         return self.pygame
@@ -202,10 +198,13 @@ class Scene:
 
     def obstacle(self, shape: str, x: float, y: float, size: float) -> None:
         """Put a round or square obstacle, `size` in diameter or side, on the ground."""
-        half, ground = positive("size", size, math.inf, self.play.units) / 2, self.space.static_body
-        box = pymunk.BB.newForCircle((x, y), half)
-        is_round = word("shape", shape, ("round", "square")) == "round"
-        found = pymunk.Circle(ground, half, (x, y)) if is_round else pymunk.Poly.create_box_bb(ground, box)
+        half = size / 2
+        ground = self.space.static_body
+        found: pymunk.Shape
+        if shape == "round":
+            found = pymunk.Circle(ground, half, (x, y))
+        else:
+            found = pymunk.Poly.create_box_bb(ground, pymunk.BB.newForCircle((x, y), half))
         found.friction = _OBSTACLE_FRICTION
         number = max(self._obstacles, default=0) + 1
         self._obstacles[number] = {"id": number, "shape": shape, "x": x, "y": y, "size": 2 * half}, found
@@ -236,10 +235,10 @@ class Scene:
         now = [vars(each) | {"action": None, "value": self.values[name]} for name, each in self.parameters.items()]
         controls = {"parameters": now, "buttons": [name for name in self._pressed if name not in keys]}
         controls["keys"] = ["*"] if self.pygame else keys
-        about = {"dragon": None, "step": self.step_length, "y_down": self.play.y_down, "units": self.play.units}
-        unit_of = units(self.play.units)
+        about = {"dragon": None, "step": self.step_length, "y_down": self.settings.y_down, "units": self.settings.units}
+        unit_of = units(self.settings.units)
         # The user's quantities have their units in their titles.
-        plots = {name: unit_of[kind] for name, kind in QUANTITIES.items()} | dict.fromkeys(self.play.plots, "")
+        plots = {name: unit_of[kind] for name, kind in QUANTITIES.items()} | dict.fromkeys(self.settings.plots, "")
         return controls | about | {"field": self.field, "unit_of": unit_of, "plots": list(plots.items())}
 
     def state(self) -> dict[str, Any]:
@@ -254,7 +253,7 @@ class Scene:
 
     def plots(self) -> dict[str, float]:
         """Return quantities for charts: energy, momentum, and those of the user's."""
-        return energies(self.space) | {name: self._plotted(name, plot) for name, plot in self.play.plots.items()}
+        return energies(self.space) | {name: self._plotted(name, plot) for name, plot in self.settings.plots.items()}
 
     def _plotted(self, title: str, plot: Callable[[pymunk.Space], float]) -> float:
         """Return the value of a chart of the user's; an error names the chart."""

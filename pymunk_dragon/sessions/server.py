@@ -22,7 +22,8 @@ from aiohttp.typedefs import Handler
 from pymunk_dragon._arguments import whole
 from pymunk_dragon._language import language
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.sessions.handle import live_page
+from pymunk_dragon.sessions.client import Client
+from pymunk_dragon.sessions.page import live_page
 from pymunk_dragon.sessions.session import Session
 
 # Messages of a client in a second: the others wait, and a client of which so many had to wait is disconnected.
@@ -38,23 +39,32 @@ _HEADERS = {"Cache-Control": "no-store", "Referrer-Policy": "no-referrer", "X-Co
 _Action = Callable[..., object]
 
 
-class _Client:
+class _Client(Client):
     """A browser, and what it has to get: texts, and the newest frame."""
 
-    def __init__(self, connection: web.WebSocketResponse, controls: bool, drop: _Action, call: _Action) -> None:
-        self.controls, self._call, self.stop = controls, call, partial(call, drop)
-        self._connection, self._news = connection, asyncio.Event()
+    def __init__(
+        self, session: Session, connection: web.WebSocketResponse, controls: bool, drop: _Action, call: _Action
+    ) -> None:
+        self.session = session
+        self.controls = controls
+        self._connection = connection
+        self._drop = drop
+        # Has something done in the thread of the server.
+        self._call = call
+        self._news = asyncio.Event()
         self._waiting: dict[object, Callable[[], Awaitable[None]]] = {}
 
-    def tell(self, message: dict[str, Any]) -> None:
-        """Send a text, also with numbers of NumPy."""
-        role = {} if self.controls or message["kind"] != "scene" else {"role": "watch"}
-        text = json.dumps(message | role, allow_nan=False, default=float)
+    def send_text(self, text: str) -> None:
+        """Send a text."""
         self._call(self._put, object(), partial(self._connection.send_str, text))
 
     def show(self, frame: bytes) -> None:
         """Send a frame, unless a newer one comes before this client takes it."""
         self._call(self._put, "frame", partial(self._connection.send_bytes, frame))
+
+    def stop(self) -> None:
+        """Close the connection."""
+        self._call(self._drop)
 
     def _put(self, key: object, send: Callable[[], Awaitable[None]]) -> None:
         self._waiting.pop(key, None)
@@ -162,7 +172,7 @@ class Server:
         connection = web.WebSocketResponse(compress=False, heartbeat=_HEARTBEAT, max_msg_size=_MAX_BYTES)
         await connection.prepare(request)
         assert request.transport is not None  # The request is being answered.
-        client = _Client(connection, controls, request.transport.abort, self._call)
+        client = _Client(self._session, connection, controls, request.transport.abort, self._call)
         self._session.join(client)
         sending, due, delayed = asyncio.create_task(client.send()), 0.0, 0
         try:
@@ -174,7 +184,7 @@ class Server:
                     await asyncio.sleep(wait)
                 if delayed > _MOST_DELAYED:
                     client.stop()
-                self._session.receive(client, message.data if message.type is WSMsgType.TEXT else "")
+                client.take(message.data if message.type is WSMsgType.TEXT else "")
         finally:
             sending.cancel()
             self._session.leave(client)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from contextvars import copy_context
 from time import perf_counter
@@ -14,7 +13,8 @@ from traitlets import Unicode
 
 from pymunk_dragon._language import language
 from pymunk_dragon.drawing.debug_draw import still
-from pymunk_dragon.sessions.handle import live_page
+from pymunk_dragon.sessions.client import Client
+from pymunk_dragon.sessions.page import live_page
 from pymunk_dragon.sessions.session import Session
 from pymunk_dragon.web.html import asset, data_address
 
@@ -26,7 +26,7 @@ SILENCE = 15.0
 REQUEST = "page"
 
 
-class LiveWidget(AnyWidget):
+class LiveWidget(Client, AnyWidget):
     """The page of a session, in a frame; a text from it is a message, a number that of a frame that it has drawn.
 
     The notebook stores the traits that are synchronized: the page is none, and is sent when the widget requests it.
@@ -35,14 +35,14 @@ class LiveWidget(AnyWidget):
     _esm = asset(__package__, "assets/widget.js")
     # Class of the picture that the page replaces.
     still = Unicode().tag(sync=True)
-    controls = True
 
     def __init__(self, session: Session) -> None:
         super().__init__()
         self.still = f"live-{self.model_id}"
         # In the language of the caller, which other threads do not have.
         self._page, _ = live_page(session.source.title, language())
-        self._session, self._heard = session, 0.0
+        self.session = session
+        self._heard = 0.0
         self._sent = self._drawn = 0
         # That of the page's newest message.
         self._context = copy_context()
@@ -50,28 +50,28 @@ class LiveWidget(AnyWidget):
 
     def shown(self) -> Any:
         """Display a picture of the present state, which remains in the notebook, and return the page as a bundle."""
-        scene = self._session.scene
-        with self._session.held:
-            content = still(scene.space, scene.field, y_down=scene.play.y_down, flags=scene.drawn)
+        scene = self.session.scene
+        with self.session.held:
+            content = still(scene.space, scene.field, y_down=scene.settings.y_down, flags=scene.drawn)
         picture = f'<img class="{self.still}" alt="A live session" src="{data_address(content, "image/png")}">'
         # In an output of its own: JupyterLab shows no other part of one whose widget is gone.
-        display({"text/html": picture, "text/plain": self._session.source.title}, raw=True)
+        display({"text/html": picture, "text/plain": self.session.source.title}, raw=True)
         return self._repr_mimebundle_()
 
     def stop(self) -> None:
         """Take no more messages, and have the page say so."""
         self.on_msg(self._receive, remove=True)
-        self._session.leave(self)
+        self.session.leave(self)
         self._post({"closed": True})
 
-    def tell(self, message: dict[str, Any]) -> None:
-        """Send a text, also with numbers of NumPy."""
-        self._post({"text": json.dumps(message, allow_nan=False, default=float)})
+    def send_text(self, text: str) -> None:
+        """Send a text."""
+        self._post({"text": text})
 
     def show(self, frame: bytes) -> None:
         """Send a frame, unless the page has to draw those before it."""
         if perf_counter() - self._heard > SILENCE:
-            self._session.leave(self)
+            self.session.leave(self)
         elif self._sent - self._drawn < MOST_FRAMES:
             self._sent += 1
             self._post({"frame": self._sent}, [frame])
@@ -91,12 +91,12 @@ class LiveWidget(AnyWidget):
             self._post({"page": self._page})
             return
         self._heard = perf_counter()
-        if content == 0 or self not in self._session.clients:
+        if content == 0 or self not in self.session.clients:
             # A page that begins anew has none of the frames that were sent before, and holds no body.
-            self._session.leave(self)
+            self.session.leave(self)
             self._drawn = self._sent
-            self._session.join(self)
+            self.session.join(self)
         if isinstance(content, str):
-            self._session.receive(self, content)
+            self.take(content)
         elif isinstance(content, int):
             self._drawn = max(self._drawn, content)

@@ -24,10 +24,10 @@ from playwright.sync_api import Page
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from browser import chromium, opened, wait_until
-from live_sessions import Client, joined
+from live_sessions import SocketClient, joined
 
 from pymunk_dragon.sessions import Slider, live
-from pymunk_dragon.sessions.ready import _boxes
+from pymunk_dragon.sessions.scenes import _boxes
 
 CLIENTS, SECONDS = sized((20, 600.0), (2, 6.0))
 OBSTACLES, RESETS = 30, 20
@@ -83,7 +83,7 @@ async def watch(address: str, seconds: float, acts: bool = False) -> list[float]
     return times
 
 
-async def act(client: Client) -> None:
+async def act(client: SocketClient) -> None:
     """Put obstacles, drag all the time, and reset again and again."""
     for k in range(OBSTACLES):
         await client.send("obstacle", shape="round", x=2.0 * k, y=-20.0, size=0.5)

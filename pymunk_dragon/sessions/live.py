@@ -1,4 +1,4 @@
-"""`live`: a session from Python, a notebook, or the command line; and its page."""
+"""`live` and `Live`: a session from Python, a notebook, or the command line."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import webbrowser
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import fields, replace
-from functools import cache, cached_property
+from functools import cached_property
 from html import escape
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
@@ -19,20 +19,13 @@ from pymunk_dragon._extras import library
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March
 from pymunk_dragon.sessions.controls import Button, Key, PygameEvents, Slider
-from pymunk_dragon.sessions.ready import Ready, dragon, program, ready
 from pymunk_dragon.sessions.restore import FirstState
-from pymunk_dragon.sessions.scene import Play
+from pymunk_dragon.sessions.scene import PlaySettings
+from pymunk_dragon.sessions.scenes import SceneSource, march_scene, named_scene, space_scene
 from pymunk_dragon.sessions.session import MAX_STEP, Session
-from pymunk_dragon.web.html import asset, embedded_json
-from pymunk_dragon.web.page import catalogue, document
 
 if TYPE_CHECKING:
     from pymunk_dragon.sessions.server import Server
-
-# Parts of the script of the page; each uses only those before it.
-_SCRIPTS = ["connection", "model", "force_scale", "shapes", "overlays", "live_paint", "parameters", "live_charts"]
-_SCRIPTS += ["tools", "recorder", "live_show", "live", "live_controls"]
-
 
 # Ports have 16 bits.
 _MAX_PORT = 65_535
@@ -132,7 +125,8 @@ def live(
     Parameters
     ----------
     what : March, pymunk.Space, callable or str, optional
-        A march, a space, a function that returns one, with the values of sliders as arguments, or a ready scene's name.
+        A march, a space, a function that returns one, with the values of sliders as arguments, or the
+        name of a built-in scene.
     step : float, optional
         Length of a step of a space, s. None for a program with a loop of its own, which makes the steps by `Live.step`.
     on_step : callable, optional
@@ -178,64 +172,52 @@ def live(
     flag("browser", browser)
 
     seen: Any = {"plots": {} if plots is None else plots, "events": events, "y_down": y_down, "units": units}
-    play = Play(step=step, on_step=on_step, controls=controls, **seen)
-    _check_play(play)
+    settings = PlaySettings(step=step, on_step=on_step, controls=controls, **seen)
+    _check_settings(settings)
     if what is None or isinstance(what, March | str):
-        _check_unchanged(play)
-    source = source_of(what, play)
+        _check_unchanged(settings)
+    source = source_of(what, settings)
     return Live(Session(source, running=not paused), browser=browser, host=host, port=port, allow_hosts=allow_hosts)
 
 
-def _check_play(play: Play) -> None:
+def _check_settings(settings: PlaySettings) -> None:
     """Check how a space is to be played."""
-    if play.step is not None:
-        finite("step", play.step, 1e-6, MAX_STEP, "s")
-    if play.on_step is not None:
-        function("on_step", play.on_step)
-    instances("controls", play.controls, Slider | Button | PygameEvents, "a sequence of Slider, Button, Key and others")
-    for title, plot in instance("plots", play.plots, Mapping, "a mapping of titles to functions").items():
+    if settings.step is not None:
+        finite("step", settings.step, 1e-6, MAX_STEP, "s")
+    if settings.on_step is not None:
+        function("on_step", settings.on_step)
+    instances(
+        "controls", settings.controls, Slider | Button | PygameEvents, "a sequence of Slider, Button, Key and others"
+    )
+    for title, plot in instance("plots", settings.plots, Mapping, "a mapping of titles to functions").items():
         label("title of a plot", title)
         function(f"plots[{title!r}]", plot)
-    if play.events is not None:
-        instance("events", play.events, list, "a list, to which texts are appended")
-        instances("events", play.events, str, "a list of texts")
-    flag("y_down", play.y_down)
-    label("units", play.units)
+    if settings.events is not None:
+        instance("events", settings.events, list, "a list, to which texts are appended")
+        instances("events", settings.events, str, "a list of texts")
+    flag("y_down", settings.y_down)
+    label("units", settings.units)
 
 
-def _check_unchanged(play: Play) -> None:
-    """Refuse what a march and a ready scene choose themselves."""
-    for each in fields(Play):
-        value, default = getattr(play, each.name), getattr(Play(), each.name)
+def _check_unchanged(settings: PlaySettings) -> None:
+    """Refuse settings that a march and a named scene choose themselves."""
+    for each in fields(PlaySettings):
+        value, default = getattr(settings, each.name), getattr(PlaySettings(), each.name)
         if value != default and value != []:  # The controls may be an empty list, too.
-            raise ParameterError(each.name, value, "left out for a march and for a ready scene")
+            raise ParameterError(each.name, value, "left out for a march and for a built-in scene")
 
 
-def source_of(what: object, play: Play) -> Ready:
+def source_of(what: object, settings: PlaySettings) -> SceneSource:
     """Return how the scene of a march, a space, a function or a name is made."""
     if what is None or isinstance(what, str):
-        return ready("dragon" if what is None else what)
+        return named_scene("dragon" if what is None else what)
     if isinstance(what, March):
-        return dragon(what)
+        return march_scene(what)
     if isinstance(what, pymunk.Space):
-        return replace(program(FirstState(what).begin, play), given=True)
+        return replace(space_scene(FirstState(what).begin, settings), given=True)
     if not callable(what):
         raise ParameterError("what", what, "a March, a pymunk.Space, a function that returns one, or a scene's name")
-    return program(what, play)
-
-
-@cache
-def live_page(title: str, language: str) -> tuple[str, str]:
-    """Return the page, which opens in a language, and its content security policy."""
-    return document(
-        asset(__package__, "assets/live.html"),
-        asset(__package__, "assets/live.css"),
-        "".join(asset(__package__, f"assets/{name}.js") for name in _SCRIPTS),
-        "; connect-src 'self'",
-        language=language,
-        title=escape(title),
-        texts=embedded_json({"zh": catalogue("pymunk_dragon.player", __package__)}),
-    )
+    return space_scene(what, settings)
 
 
 def _has_widgets() -> bool:

@@ -1,4 +1,4 @@
-"""Ready scenes by their names."""
+"""Where scenes come from: marches, spaces, recordings, and the scenes of the command by their names."""
 
 from __future__ import annotations
 
@@ -20,74 +20,82 @@ from pymunk_dragon.model.march import March
 from pymunk_dragon.model.scenario import Scenario
 from pymunk_dragon.sessions.controls import Button, PygameEvents, Slider
 from pymunk_dragon.sessions.dragon import DragonScene, Values
-from pymunk_dragon.sessions.scene import Play, Scene
+from pymunk_dragon.sessions.scene import PlaySettings, Scene
 
 # Properties of a space, and its step, that a slider without an action may have.
 _PROPERTIES = ("step", "gravity", "damping", "iterations")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Ready:
+class SceneSource:
     """How a scene is made."""
 
     name: str
     title: str
     text: str
     lesson: str | None = None
+    # Builds the scene with values of sliders.
     build: Callable[[Values], Scene]
-    plan: Mapping[str, Any] | None = None
+    # What a recording keeps in order to build the scene again; None for a scene that cannot be recorded.
+    saved_as: Mapping[str, Any] | None = None
     # Whether `build` changes a space of the user's, and does not build one.
     given: bool = False
 
 
 # The scenes of the command, in the order in which pages list them.
-SCENES: dict[str, Ready] = {}
+SCENES: dict[str, SceneSource] = {}
 
 
-def ready(name: str) -> Ready:
-    """The ready scene of a name."""
+def named_scene(name: str) -> SceneSource:
+    """Return the scene of the command that has a name."""
     return SCENES[word("scene", name, list(SCENES))]
 
 
-def dragon(march: March, start: float = 0.0) -> Ready:
-    """The scene of a march that begins at `start`, s."""
+def march_scene(march: March, start: float = 0.0) -> SceneSource:
+    """Return the scene of a march that begins at `start`, s."""
     finite("start", start, -math.inf, math.inf, "s")
     try:
-        plan = {"scenario": Scenario.of(march).to_dict(), "start": start}
+        saved_as = {"scenario": Scenario.of(march).to_dict(), "start": start}
     except ParameterError:  # A curve or a speed of the user's own.
-        plan = None
-    text = "Pull a bench, cut a joint, let the dancers go."
-    return Ready(name="own", title="A march", text=text, build=partial(DragonScene, march, start=start), plan=plan)
+        saved_as = None
+    return SceneSource(
+        name="own",
+        title="A march",
+        text="Pull a bench, cut a joint, let the dancers go.",
+        build=partial(DragonScene, march, start=start),
+        saved_as=saved_as,
+    )
 
 
-def planned(plan: Mapping[str, Any]) -> Ready:
-    """The scene that a recording describes by its `plan`."""
-    if "scene" in plan:
-        return ready(plan["scene"])
-    return dragon(Scenario.from_dict(plan["scenario"], files=False).march(), plan["start"])
+def recorded_scene(saved_as: Mapping[str, Any]) -> SceneSource:
+    """Return the scene of a recording, from its `SceneSource.saved_as`."""
+    if "scene" in saved_as:
+        return named_scene(saved_as["scene"])
+    march = Scenario.from_dict(saved_as["scenario"], files=False).march()
+    return march_scene(march, saved_as["start"])
 
 
-def program(build: Callable[..., pymunk.Space], play: Play) -> Ready:
+def space_scene(build: Callable[..., pymunk.Space], settings: PlaySettings) -> SceneSource:
     """Return the scene of a function that builds a space; sliders with the names of its arguments have their values."""
     arguments = signature(build).parameters
-    play = replace(play, controls=[_at_start(each, arguments) for each in play.controls])
-    own = {each.name: each for each in play.controls if isinstance(each, Slider)}
+    settings = replace(settings, controls=[_at_start(each, arguments) for each in settings.controls])
+    own = {each.name: each for each in settings.controls if isinstance(each, Slider)}
 
     def make(values: Values) -> Scene:
         given = {name: each.checked(values.get(name, each.value)) for name, each in own.items() if name in arguments}
         space = build(**given)
         if not isinstance(space, pymunk.Space):
             raise ParameterError("build", space, "a function that returns a pymunk.Space")
-        scene = Scene(space, play)
+        scene = Scene(space, settings)
         for name, slider in scene.parameters.items():
             if name in own and name in values:
-                scene.set(name, slider.checked(values[name]))
+                scene.set(name, values[name])
             elif name in values:
                 # The range is that of the space that was built now.
                 scene.set(name, min(max(values[name], slider.low), slider.high))
         return scene
 
-    return Ready(name="space", title="A space", text="Pull a body, cut a joint.", build=make)
+    return SceneSource(name="space", title="A space", text="Pull a body, cut a joint.", build=make)
 
 
 def _at_start(control: Any, arguments: Mapping[str, Parameter]) -> Any:
@@ -108,16 +116,35 @@ def _at_start(control: Any, arguments: Mapping[str, Parameter]) -> Any:
     return replace(control, value=value, whole=whole)
 
 
-def add(build: Any, *, name: str, title: str, lesson: str | None = None, plan: Any = None, **play: Any) -> Any:
-    """Add a scene and return `build`: a function of values, or a program to `play`; its docstring is the text."""
-    make = program(build, Play(**play)).build if play else build
-    SCENES[name] = Ready(name=name, title=title, text=build.__doc__, lesson=lesson, build=make, plan=plan)
+def add(
+    build: Any,
+    *,
+    name: str,
+    title: str,
+    lesson: str | None = None,
+    saved_as: Any = None,
+    **settings: Any,
+) -> Any:
+    """Add a scene, whose text is the docstring of `build`; return `build`.
+
+    With `PlaySettings`, `build` returns a space; without, it returns a scene from values of sliders.
+    """
+    make = space_scene(build, PlaySettings(**settings)).build if settings else build
+    SCENES[name] = SceneSource(
+        name=name,
+        title=title,
+        text=build.__doc__,
+        lesson=lesson,
+        build=make,
+        saved_as=saved_as,
+    )
     return build
 
 
-def _scene(name: str, title: str, lesson: str | None = None, **play: Any) -> Callable[[Any], Any]:
+def _scene(name: str, title: str, lesson: str | None = None, **settings: Any) -> Callable[[Any], Any]:
     """Return a decorator that adds a scene, whose name stands in recordings."""
-    return partial(add, name=name, title=title, lesson=lesson, plan={"scene": name}, **play)
+    saved_as = {"scene": name}
+    return partial(add, name=name, title=title, lesson=lesson, saved_as=saved_as, **settings)
 
 
 @_scene("dragon", "The dragon")

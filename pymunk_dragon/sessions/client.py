@@ -1,0 +1,121 @@
+"""Pages that show a session: what the session needs of each, and what all were sent."""
+
+from __future__ import annotations
+
+import json
+import threading
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.sessions.messages import Ping, read_message
+
+if TYPE_CHECKING:
+    from pymunk_dragon.sessions.session import Session
+
+
+class Client:
+    """A page that shows a session and, if it `controls` the session, changes it.
+
+    Subclasses send texts and pictures by `send_text`, `show` and `stop`, which any thread may call.
+    """
+
+    session: Session
+    controls = True
+
+    def take(self, text: str) -> None:
+        """Take a text of the page, which gets an answer if the text is no message that it may send."""
+        try:
+            message = read_message(json.loads(text))
+            if isinstance(message, Ping):
+                self.tell({"kind": "pong", "id": message.id})
+            elif self.controls:
+                self.session.receive(self, message)
+            else:
+                raise ParameterError("message", message.do, "ping, as this page only watches")
+        except (ValueError, RecursionError) as error:
+            self.tell({"kind": "error", "text": str(error)})
+
+    def tell(self, message: dict[str, Any]) -> None:
+        """Send a message, also with numbers of NumPy."""
+        if message["kind"] == "scene" and not self.controls:
+            message = message | {"role": "watch"}
+        self.send_text(json.dumps(message, allow_nan=False, default=float))
+
+    def send_text(self, text: str) -> None:
+        """Send a text to the page."""
+        raise NotImplementedError
+
+    def show(self, frame: bytes) -> None:
+        """Send a picture to the page, unless it cannot take one now."""
+        raise NotImplementedError
+
+    def stop(self) -> None:
+        """End the connection with the page."""
+        raise NotImplementedError
+
+
+class Clients:
+    """The clients of a session, and what those that join are sent first. It has a lock of its own."""
+
+    def __init__(self) -> None:
+        # Replaced and not changed, so that it may be read without the lock.
+        self._all: tuple[Client, ...] = ()
+        self._lock = threading.Lock()
+        self._description: dict[str, Any] = {}
+        self._state: dict[str, Any] | None = None
+        self._failure: dict[str, Any] | None = None
+
+    def __iter__(self) -> Iterator[Client]:
+        return iter(self._all)
+
+    def __len__(self) -> int:
+        return len(self._all)
+
+    def join(self, client: Client) -> None:
+        """Send a client all messages from now on: first the scene, and the error by which the session is paused."""
+        with self._lock:
+            self._all = (*self._all, client)
+            self._state = None
+            client.tell(self._description)
+            if self._failure is not None:
+                client.tell(self._failure)
+
+    def leave(self, client: Client) -> None:
+        """Forget a client."""
+        with self._lock:
+            self._all = tuple(each for each in self._all if each is not client)
+
+    def tell(self, message: dict[str, Any]) -> None:
+        """Send a message to all clients."""
+        with self._lock:
+            for client in self._all:
+                client.tell(message)
+
+    def tell_building(self) -> None:
+        """Send that a scene is being built; `tell_scene` follows."""
+        self._state = None
+        self.tell({"kind": "building"})
+
+    def tell_scene(self, description: dict[str, Any] | None = None) -> None:
+        """Send what describes the scene, also to those that join later; by default the scene of before."""
+        self._description = description or self._description
+        self.tell(self._description)
+
+    def tell_state(self, state: dict[str, Any]) -> None:
+        """Send a state, unless it was sent last."""
+        if state != self._state:
+            self._state = state
+            self.tell(state)
+
+    def tell_failure(self, failure: dict[str, Any]) -> bool:
+        """Send an error, also to those that join later; whether it was not sent before."""
+        is_new = failure != self._failure
+        if is_new:
+            self._failure = failure
+            self.tell(failure)
+        return is_new
+
+    def forget_failure(self) -> None:
+        """Send the next error, also if it is the same as the last one."""
+        self._failure = None

@@ -1,0 +1,107 @@
+"""When a step, a picture and values of charts of a session are due, and how many events a second are sent."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from time import perf_counter
+
+# s between two pictures, at least.
+_FRAME_TIME = 1 / 60
+# s between two values of a chart.
+_PLOT_TIME = 0.1
+# s of steps that a slow computer makes up for, at most.
+_MAX_DEBT = 0.1
+# Events of a second that clients get: more cannot be read.
+_MAX_EVENTS = 20
+
+
+class Clock:
+    """Times at which steps and pictures are due; `read` returns the present time, s."""
+
+    def __init__(self, read: Callable[[], float] = perf_counter, *, running: bool = True) -> None:
+        self.read = read
+        self.running = running
+        # Simulated time over real time.
+        self.speed = 1.0
+        # Steps to be made while the clock does not run.
+        self.single_steps = 0
+        begin = read()
+        self._step_due = begin
+        self._frame_due = begin
+        self._plot_due = begin
+
+    def play(self) -> None:
+        """Let steps be due in real time."""
+        self.running = True
+
+    def pause(self) -> None:
+        """Let no step be due."""
+        self.running = False
+        self.single_steps = 0
+
+    def step(self, count: int) -> None:
+        """Let so many steps be due at once, and none afterwards."""
+        self.running = False
+        self.single_steps = count
+
+    def step_is_due(self, now: float) -> bool:
+        """Whether a step is due. Time while the clock did not run, and a large debt, are not made up for."""
+        if not self.running:
+            self._step_due = now
+            return self.single_steps > 0
+
+        self._step_due = max(self._step_due, now - _MAX_DEBT)
+        return now >= self._step_due or self.single_steps > 0
+
+    def frame_is_due(self, now: float, *, before_step: bool) -> bool:
+        """Whether a picture is due. A step that is due comes before it, until the picture is late by one."""
+        return now >= self._frame_due + (_FRAME_TIME if before_step else 0.0)
+
+    def plot_is_due(self, now: float) -> bool:
+        """Whether values of charts are due; if so, the next ones are due later."""
+        is_due = self.running and now >= self._plot_due
+        if is_due:
+            self._plot_due = now + _PLOT_TIME
+        return is_due
+
+    def step_was_made(self, length: float) -> None:
+        """Let the next step be due after the `length` of this one, s."""
+        self.single_steps = max(self.single_steps - 1, 0)
+        self._step_due += length / self.speed
+
+    def frame_was_made(self) -> None:
+        """Let the next picture be due: at even intervals, but none is made up for."""
+        self._frame_due = max(self._frame_due + _FRAME_TIME, self.read())
+
+    def wait(self, *, with_frames: bool) -> float:
+        """Return the time until a step or, with clients, a picture is due, s."""
+        if self.single_steps > 0:
+            return 0.0
+        step_due = self._step_due if self.running else math.inf
+        frame_due = self._frame_due if with_frames else math.inf
+        return max(min(step_due, frame_due) - self.read(), 0.0)
+
+
+class EventLimit:
+    """Passes on a number of events a second, and counts the others."""
+
+    def __init__(self) -> None:
+        self._second = 0.0
+        self._count = 0
+
+    def passed(self, texts: list[str], now: float) -> list[str]:
+        """Return the texts of events to send; the first ones of a second follow the number of those left out before."""
+        left_out = self._count - _MAX_EVENTS
+        if now - self._second >= 1:
+            self._second = now
+            self._count = 0
+            if left_out > 0:
+                texts = [f"{left_out} further events in a second", *texts]
+        passed = texts[: max(_MAX_EVENTS - self._count, 0)]
+        self._count += len(texts)
+        return passed
+
+    def forget(self) -> None:
+        """Forget the number of events left out."""
+        self._count = min(self._count, _MAX_EVENTS)

@@ -1,0 +1,40 @@
+"""The page of a live session, which the server and the widget of notebooks show."""
+
+from __future__ import annotations
+
+from functools import cache
+from html import escape
+
+from pymunk_dragon.web.html import asset, embedded_json
+from pymunk_dragon.web.page import catalogue, document
+
+# Parts of the script of the page; each uses only those before it.
+_SCRIPTS = (
+    "connection",
+    "model",
+    "force_scale",
+    "shapes",
+    "overlays",
+    "live_paint",
+    "parameters",
+    "live_charts",
+    "tools",
+    "recorder",
+    "live_show",
+    "live",
+    "live_controls",
+)
+
+
+@cache
+def live_page(title: str, language: str) -> tuple[str, str]:
+    """Return the page, which opens in a language, and its content security policy."""
+    return document(
+        asset(__package__, "assets/live.html"),
+        asset(__package__, "assets/live.css"),
+        "".join(asset(__package__, f"assets/{name}.js") for name in _SCRIPTS),
+        "; connect-src 'self'",
+        language=language,
+        title=escape(title),
+        texts=embedded_json({"zh": catalogue("pymunk_dragon.player", __package__)}),
+    )
