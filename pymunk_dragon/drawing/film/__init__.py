@@ -44,8 +44,9 @@ def render(
         Several sources are shown side by side at the same simulated time; a run that has ended keeps its last frame.
         Without `until`, a march is shown until its first contact.
     path : path
-        File to write: .gif; .webp, which keeps all colours and needs memory for all frames; or .mp4 with the extra
-        `mp4`. A picture is .png. If writing is interrupted, an old file is kept and no incomplete file is left.
+        File to write: .gif; .webp, which keeps all colours and needs memory for all frames; or
+        .mp4 with the extra `mp4`. A picture is .png. If writing is interrupted, an old file is
+        kept and no incomplete file is left.
     film : Film, optional
         Speed, size, window, camera, marks and texts.
     progress : callable, optional

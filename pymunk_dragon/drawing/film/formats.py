@@ -1,7 +1,7 @@
 """Writers of film files.
 
-imageio writes MP4, by FFmpeg, and WebP, by Pillow. GIFs are written here, with Pillow's compression of
-single frames: imageio takes five times as long, and keeps all frames in memory.
+imageio writes MP4, by FFmpeg, and WebP, by Pillow. GIFs are written here, with Pillow's compression
+of single frames: imageio takes five times as long, and keeps all frames in memory.
 """
 
 from __future__ import annotations
@@ -36,8 +36,9 @@ _FILTERS += ",setparams=color_primaries=bt709:color_trc=bt709:colorspace=bt709"
 # FFmpeg options: the index before the data, so that a browser can play an incomplete download; and no encoder version
 # or date in the file.
 _FORMAT = f"-vf {_FILTERS} -movflags +faststart -fflags +bitexact -flags:v +bitexact"
-# imageio options of an MP4. imageio chooses neither the quality, which is among the x264 options, nor
-# the size, which is even. (Its plugin for PyAV has no parameter for the quality, and takes no iterator.)
+# imageio options of an MP4. imageio chooses neither the quality, which is among the x264 options,
+# nor the size, which is even. Its plugin for PyAV has no parameter for the quality, and takes no
+# iterator.
 _MP4_OPTIONS: dict[str, Any] = {
     "plugin": "FFMPEG",
     "is_batch": True,
@@ -49,17 +50,18 @@ _MP4_OPTIONS: dict[str, Any] = {
 }
 # Boxes of an MP4, each within the one before, down to the one with the number of frames.
 _INDEX = (b"moov", b"trak", b"mdia", b"minf", b"stbl", b"stsz")
-# Bytes of memory for the frames of a WebP, all of which imageio and Pillow need at once: half of the
-# memory of a small computer, or 1,100 frames of 440 x 501 pixels.
+# Bytes of memory for the frames of a WebP, all of which imageio and Pillow need at once: half of
+# the memory of a small computer, or 1,100 frames of 440 x 501 pixels.
 _MAX_WEBP_MEMORY = 1_000_000_000
 # Bytes of memory per pixel of a WebP (mode RGBA).
 _WEBP_PIXEL = 4
 # Pixels: the largest width and height that the format has.
 _MAX_WEBP_LENGTH = 16_383
-# imageio options of a WebP: all pixels keep their colours. Method 1 with quality 25 (of a lossless file,
-# this is the effort) takes 20 ms per frame of 640 x 734 pixels with 223 benches, and the file is an
-# eighth smaller than the GIF; with less effort, it is larger than the GIF. Without key frames (kmin,
-# kmax), a frame is encoded once, as the difference to the frame before. Loop 0 repeats without end.
+# imageio options of a WebP: all pixels keep their colours. Method 1 with quality 25 (of a lossless
+# file, this is the effort) takes 20 ms per frame of 640 x 734 pixels with 223 benches, and the file
+# is an eighth smaller than the GIF; with less effort, it is larger than the GIF. Without key frames
+# (kmin, kmax), a frame is encoded once, as the difference to the frame before. Loop 0 repeats
+# without end.
 _WEBP_OPTIONS: dict[str, Any] = {
     "is_batch": True,
     "lossless": True,
@@ -103,7 +105,7 @@ def written_size(ending: str, size: tuple[int, int]) -> tuple[int, int]:
 
 
 def _write_gif(path: Path, frames: Frames) -> None:
-    """Write a GIF that repeats without end: of each frame the pixels that differ from the one before.
+    """Write a GIF that repeats without end: of each frame the pixels that differ from before.
 
     Two frames are in memory.
     """
@@ -140,18 +142,17 @@ def _write_mp4(path: Path, frames: Frames) -> None:
     from imageio import v3 as iio
 
     counts = [max(1, count) for count in frames.durations(frames.fps)]
-    pixels = _repeated(frames, counts)
-    first = next(pixels)
-    is_starting = True
+    is_starting = False
 
     # imageio takes an iterator, but its annotations do not say so.
     def all_pixels() -> Any:
         nonlocal is_starting
-        # FFmpeg is started when it gets the first frame.
-        yield first
-        is_starting = False
-        release()
-        yield from pixels
+        for index, pixels in enumerate(_repeated(frames, counts)):
+            # FFmpeg is started when it gets the first frame.
+            is_starting = index == 0
+            yield pixels
+            is_starting = False
+            release()
 
     # It warns of an FFmpeg that has ended early, which is an error here.
     getLogger("imageio_ffmpeg").setLevel(ERROR)
@@ -229,8 +230,9 @@ def _write_webp(path: Path, frames: Frames) -> None:
         bound = f"at most {_MAX_WEBP_LENGTH} pixels wide and high in a WebP"
         raise ParameterError("size", frames.size, bound)
     if count * width * height * _WEBP_PIXEL > _MAX_WEBP_MEMORY:
-        limit = f"{_MAX_WEBP_MEMORY / 1e9:g} GB of memory"
-        raise ParameterError("size", frames.size, f"such that the {count} frames of a WebP need at most {limit}")
+        limit = f"at most {_MAX_WEBP_MEMORY / 1e9:g} GB of memory"
+        bound = f"such that the {count} frames of a WebP need {limit}"
+        raise ParameterError("size", frames.size, bound)
 
     pixels = np.empty((count, height, width, _WEBP_PIXEL), np.uint8)
     for frame, picture in zip(pixels, frames.pictures, strict=True):
@@ -247,4 +249,8 @@ def _write_webp(path: Path, frames: Frames) -> None:
 
 
 # Writer of each format, by the ending of its files in lower case.
-WRITERS: dict[str, Callable[[Path, Frames], None]] = {".gif": _write_gif, ".mp4": _write_mp4, ".webp": _write_webp}
+WRITERS: dict[str, Callable[[Path, Frames], None]] = {
+    ".gif": _write_gif,
+    ".mp4": _write_mp4,
+    ".webp": _write_webp,
+}
