@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -14,7 +15,7 @@ from pymunk_dragon.collision import separation
 from pymunk_dragon.drawing import lettering
 from pymunk_dragon.drawing.marks import Layer, draw_overlays
 from pymunk_dragon.drawing.palette import BLOCK, COLOURS
-from pymunk_dragon.drawing.snapshots import SAMPLES, Snapshots
+from pymunk_dragon.drawing.snapshots import Snapshots
 from pymunk_dragon.model.contact import Contact
 from pymunk_dragon.model.dragon import Dragon, rectangles
 from pymunk_dragon.model.run import Run
@@ -77,10 +78,10 @@ class Scene:
         x, y = poses[0, :2].tolist()
         return self._ground((x, y), time, poses)
 
-    def parts(self, times: Array) -> set[str]:
-        """Return the kinds of benches in view at samples of `times` (F,): names of the palette's colours."""
-        kinds, times = set[str](), np.linspace(times[0], times[-1], min(SAMPLES, len(times)))
-        for time, poses in self.source.at(times):
+    def parts(self, samples: Iterable[tuple[float, Array]]) -> set[str]:
+        """Return the kinds of benches in view in samples: names of the palette's colours."""
+        kinds = set[str]()
+        for time, poses in samples:
             offsets = poses[:, :2] - (poses[0, :2] if self.follow == "head" else self.centre)
             seen = np.flatnonzero(np.all(np.abs(offsets) < np.array(self.size) / self.scale / 2, axis=1))
             special = _special(len(poses), self.contact if self.contact and time >= self.contact.time else None)

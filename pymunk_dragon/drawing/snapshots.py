@@ -15,8 +15,6 @@ Source = Run | March
 
 # Frames whose poses are computed at once: enough to amortise the cost of a call, few enough to limit memory.
 _CHUNK_FRAMES = 32
-# Times at which the extent of a dragon, and the benches in view, are sampled.
-SAMPLES = 64
 
 
 @dataclass(frozen=True, kw_only=True)

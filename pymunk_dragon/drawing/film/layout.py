@@ -17,7 +17,6 @@ from pymunk_dragon.drawing.film.take import Take
 from pymunk_dragon.drawing.marks import check_overlays
 from pymunk_dragon.drawing.palette import COLOURS, colour_table
 from pymunk_dragon.drawing.scene import Scene, text_height
-from pymunk_dragon.drawing.snapshots import SAMPLES
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.run import Run
 
@@ -30,12 +29,17 @@ _TITLE_SCALE = 1.25
 _GUTTER = 2
 # Free border on each side of the field of view, as a fraction of its size.
 _FIELD_BORDER = 0.01
+# Times at which the extent of a dragon, and the benches in view, are sampled.
+_SAMPLES = 64
 # Pixels: a narrower picture has no legend.
 _LEGEND_WIDTH = 300
 # Pixels: largest height of an H.264 stream that FFmpeg writes. Only texts in hundreds of lines are higher.
 _MAX_HEIGHT = 16_384
 # Largest length of a scale bar, as a fraction of the width of a scene.
 _MAX_SCALE_BAR = 0.2
+
+# Some times, s, and the poses (N, 3) then.
+_Samples = list[tuple[float, Array]]
 
 
 class Layout:
@@ -47,16 +51,22 @@ class Layout:
 
     def __init__(self, takes: Sequence[Take], times: Array, film: Film) -> None:
         (width, height), letters = film.shape, text_height(film.shape)
-        self._times, self.scenes = times, _scenes(takes, times, film)
         self._lefts = range(0, len(takes) * (width + _GUTTER), width + _GUTTER)
-        total, headings = self._lefts[-1] + width, _headings(takes, film)
+        total = self._lefts[-1] + width
+        has_legend = film.legend and total >= _LEGEND_WIDTH
+        # The extent of the field and the legend need them.
+        sampled = has_legend or film.camera.follow == "field"
+        samples = [_sampled(take, times) if sampled else [] for take in takes]
+        self._times = times
+        self.scenes = _scenes(takes, samples, times, film)
+        headings = _headings(takes, film)
         for name, given in film.texts(headings):
             lettering.check(name, given)
         above = lettering.wrapped(film.title, round(_TITLE_SCALE * letters), total)
         if headings:
             cells = [_row([lettering.line(heading, letters)], width + _GUTTER) for heading in headings]
             above.append(_row(cells, total))
-        below = _legend(self.scenes, times, total, letters) if film.legend and total >= _LEGEND_WIDTH else []
+        below = _legend(self.scenes, samples, total, letters) if has_legend else []
         below += lettering.wrapped(film.caption, letters, total)
         # What the scenes leave free is the line between them.
         parts = [*above, Image.new("RGB", (total, height), COLOURS.curve), *below]
@@ -87,10 +97,15 @@ class Layout:
                 progress(done, len(self._times))
 
 
-def _scenes(takes: Sequence[Take], times: Array, film: Film) -> list[Scene]:
+def _sampled(take: Take, times: Array) -> _Samples:
+    """Return samples of the states of a take over `times` (F,)."""
+    return list(take.at(np.linspace(times[0], times[-1], min(_SAMPLES, len(times)))))
+
+
+def _scenes(takes: Sequence[Take], samples: Sequence[_Samples], times: Array, film: Film) -> list[Scene]:
     """Return the scene of each take. A march beside its run shows the position errors of the run."""
     scenes = []
-    centre, span = _field(takes, times, film)
+    centre, span = _field(takes, samples, film)
     follow = film.camera.follow
     for take in takes:
         check_overlays(film.show, take)
@@ -122,12 +137,12 @@ def _magnification(run: Run, follow: str) -> float | None:
     return max(1.0, float(f"{length.min() / error:.0e}")) if error > 0 else None
 
 
-def _field(takes: Sequence[Take], times: Array, film: Film) -> tuple[tuple[float, float], float]:
+def _field(takes: Sequence[Take], samples: Sequence[_Samples], film: Film) -> tuple[tuple[float, float], float]:
     """Return the centre, m, and the width, m, of the ground in view, with two lines free for texts."""
     if film.camera.follow == "head":
         widest = max(float(take.march.dragon.widths[0]) for take in takes)
         return (0.0, 0.0), film.camera.span or _HEAD_SPAN * widest
-    lows, highs = zip(*(_extent(take, times) for take in takes), strict=True)
+    lows, highs = zip(*map(_extent, takes, samples), strict=True)
     (left, bottom), (right, top) = np.min(lows, axis=0).tolist(), np.max(highs, axis=0).tolist()
     width, height = film.shape
     free = max(height - 2 * lettering.line("", text_height(film.shape)).height, height / 2)
@@ -135,9 +150,8 @@ def _field(takes: Sequence[Take], times: Array, film: Film) -> tuple[tuple[float
     return ((left + right) / 2, (bottom + top) / 2), film.camera.span or span
 
 
-def _extent(take: Take, times: Array) -> tuple[Array, Array]:
-    """Return the lower left and upper right corner (2,), m, of the dragon's bounding box over `times` (F,)."""
-    samples = take.at(np.linspace(times[0], times[-1], min(SAMPLES, len(times))))
+def _extent(take: Take, samples: _Samples) -> tuple[Array, Array]:
+    """Return the lower left and upper right corner (2,), m, of the dragon's bounding box in samples."""
     corners = np.concatenate([take.march.dragon.outlines(poses).reshape(-1, 2) for _, poses in samples])
     return corners.min(axis=0), corners.max(axis=0)
 
@@ -173,10 +187,10 @@ def _row(parts: Sequence[Image.Image], width: int) -> Image.Image:
     return row
 
 
-def _legend(scenes: Sequence[Scene], times: Array, width: int, letters: int) -> list[Image.Image]:
+def _legend(scenes: Sequence[Scene], samples: Sequence[_Samples], width: int, letters: int) -> list[Image.Image]:
     """Return the lines of a legend of what is in view, and a scale bar: 1, 2 or 5 times a power of ten, m."""
     names = {"head": text("head"), "body": text("body"), "tail": text("tail"), "contact": text("in contact")}
-    seen = set[str]().union(*(scene.parts(times) for scene in scenes))
+    seen = set[str]().union(*map(Scene.parts, scenes, samples))
     shown = [(name, getattr(COLOURS, part)) for part, name in names.items() if part in seen]
     entries = [_entry(colour, letters, letters // 2, name, letters) for name, colour in shown]
     for factor in filter(None, (scene.factor for scene in scenes)):
