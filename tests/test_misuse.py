@@ -156,6 +156,11 @@ REFUSED = [
     (outlines, {"poses": POSES, "lengths": np.array([1.0, 0.0, 1.0, 1.0]), "width": 1.0}, "lengths"),
     (PATH.chain, {"s": [1.0], "spacings": [math.nan]}, "spacings"),
     (first_contact, {"march": MARCH, "until": 1.0, "progress": 3}, "progress"),
+    # Also on a curve without end.
+    *(
+        (search, {"march": March(SMALL, UTurn()), "until": 1e300}, "until")
+        for search in (first_contact, scan, simulate)
+    ),
 ]
 
 

@@ -31,7 +31,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pymunk_dragon._arguments import Array, Complex, Flags, Indices, as_complex, as_vectors
+from pymunk_dragon._arrays import Array, Complex, Flags, Indices, as_complex, as_vectors
 from pymunk_dragon.collision.grid import CELLS, Grid
 from pymunk_dragon.collision.sat import Separation, separation
 from pymunk_dragon.model import chain

@@ -24,7 +24,8 @@ from typing import Any
 
 import numpy as np
 
-from pymunk_dragon._arguments import Array, Flags, Indices, as_complex, as_vectors, function
+from pymunk_dragon._arrays import Array, Flags, Indices, as_complex, as_vectors
+from pymunk_dragon._checks import function
 from pymunk_dragon.collision.bounds import UNPROVEN_ROUNDING, Intervals, MotionBounds, near_pairs
 from pymunk_dragon.collision.result import FirstContact, NearMiss, Status
 from pymunk_dragon.collision.sat import deepest_overlap, separation

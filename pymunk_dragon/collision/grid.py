@@ -16,7 +16,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pymunk_dragon._arguments import Array, finite
+from pymunk_dragon._arrays import Array
+from pymunk_dragon._checks import finite
 from pymunk_dragon.collision.sat import coordinates
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March, check_march

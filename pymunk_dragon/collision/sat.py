@@ -20,7 +20,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pymunk_dragon._arguments import MAX_COORDINATE, Array, Complex, Indices, as_vectors, numbers, read_only
+from pymunk_dragon._arrays import Array, Complex, Indices, as_vectors, read_only
+from pymunk_dragon._checks import MAX_COORDINATE, numbers
 from pymunk_dragon.errors import ParameterError
 
 __all__ = ["Separation", "separation"]

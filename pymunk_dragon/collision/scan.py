@@ -9,7 +9,8 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from pymunk_dragon._arguments import Array, function, positive
+from pymunk_dragon._arrays import Array
+from pymunk_dragon._checks import function, positive
 from pymunk_dragon.collision.first_contact import result_at
 from pymunk_dragon.collision.grid import Grid
 from pymunk_dragon.collision.result import FirstContact, Status

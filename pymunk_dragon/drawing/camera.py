@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal, get_args
 
-from pymunk_dragon._arguments import finite, word
+from pymunk_dragon._checks import finite, word
 
 # What a camera follows.
 Target = Literal["field", "head"]

@@ -59,7 +59,7 @@ import pymunk
 from PIL import Image, ImageDraw
 from pymunk.space_debug_draw_options import SpaceDebugColor as Colour
 
-from pymunk_dragon._arguments import finite, flag, instance
+from pymunk_dragon._checks import finite, flag, instance
 from pymunk_dragon.drawing import strokes
 from pymunk_dragon.errors import ParameterError
 

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from PIL import Image, ImageDraw
 
-from pymunk_dragon._arguments import Array
+from pymunk_dragon._arrays import Array
 from pymunk_dragon._language import text
 from pymunk_dragon.collision import separation
 from pymunk_dragon.drawing import lettering

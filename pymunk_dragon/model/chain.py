@@ -19,7 +19,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pymunk_dragon._arguments import Array, Complex, Flags, as_complex
+from pymunk_dragon._arrays import Array, Complex, Flags, as_complex
 
 # Passes of Newton's method, which needs 3 or 4, and of bisection, its fallback within a bracket, which needs 53.
 _MAX_PASSES = 80

@@ -8,7 +8,7 @@ from typing import Any, Literal, TypeVar, get_args
 
 import numpy as np
 
-from pymunk_dragon._arguments import finite, numbers, whole, word
+from pymunk_dragon._checks import finite, numbers, whole, word
 from pymunk_dragon._language import text
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model._display import table

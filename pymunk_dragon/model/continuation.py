@@ -29,7 +29,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from pymunk_dragon._arguments import Array, Flags
+from pymunk_dragon._arrays import Array, Flags
 from pymunk_dragon.model.chain import ChainMotion, chain_motion, chains, gentle_offsets, rear_between, rear_handle
 from pymunk_dragon.model.curves.base import Curve
 

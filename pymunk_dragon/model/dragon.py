@@ -10,19 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pymunk_dragon._arguments import (
-    MAX_COORDINATE,
-    Array,
-    Complex,
-    as_complex,
-    as_vectors,
-    finite,
-    fitting,
-    numbers,
-    read_only,
-    whole,
-    within,
-)
+from pymunk_dragon._arrays import Array, Complex, as_complex, as_vectors, read_only
+from pymunk_dragon._checks import MAX_COORDINATE, finite, fitting, numbers, whole, within
 from pymunk_dragon.errors import ParameterError
 
 # m: the same for all benches, or one for each.

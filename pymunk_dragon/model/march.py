@@ -11,17 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pymunk_dragon._arguments import (
-    Array,
-    ArrayRecord,
-    as_complex,
-    as_vectors,
-    finite,
-    numbers,
-    positive,
-    read_only,
-    whole,
-)
+from pymunk_dragon._arrays import Array, ArrayRecord, as_complex, as_vectors, read_only
+from pymunk_dragon._checks import finite, numbers, positive, whole
 from pymunk_dragon._language import text
 from pymunk_dragon.errors import ParameterError, UnreachableError
 from pymunk_dragon.model._display import table
@@ -30,7 +21,7 @@ from pymunk_dragon.model.continuation import Continuation
 from pymunk_dragon.model.curves import Curve, Reversed, Spiral
 from pymunk_dragon.model.curves.base import required_curve
 from pymunk_dragon.model.dragon import Dragon, bench_poses
-from pymunk_dragon.model.speed import MAX_SPEED, MIN_SPEED, SpeedTable
+from pymunk_dragon.model.speed import MAX_SPEED, MAX_TIME, MIN_SPEED, SpeedTable
 
 # m before the start. At this distance a double still resolves 0.1 nm.
 _MAX_RETREAT = 1e5
@@ -332,14 +323,14 @@ def checked_times(march: March, start: float, until: float | None) -> tuple[floa
     By default, and where it is later than that by rounding only, `until` is the end of the curve.
     """
     check_march(march)
-    start = finite("start", start, -np.inf, np.inf, "s")
+    start = finite("start", start, -MAX_TIME, MAX_TIME, "s")
     if until is None:
         if march.end == np.inf:
             raise ParameterError("until", None, "a time, s, on a curve without end")
         if start >= march.end:
             raise ParameterError("start", start, f"earlier than the end of the curve, {march.end:g} s")
         return start, march.end
-    until = finite("until", until, -np.inf, np.inf, "s")
+    until = finite("until", until, -MAX_TIME, MAX_TIME, "s")
     if until <= start:
         raise ParameterError("until", until, f"later than the start, {start:g} s")
     if until > march.end and math.isclose(until, march.end, rel_tol=_SAME_TIME, abs_tol=_SAME_TIME):

@@ -21,18 +21,8 @@ from typing import IO, Any, Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pymunk_dragon._arguments import (
-    MAX_COORDINATE,
-    Array,
-    ArrayRecord,
-    finite,
-    instance,
-    instances,
-    numbers,
-    read_only,
-    whole,
-    word,
-)
+from pymunk_dragon._arrays import Array, ArrayRecord, read_only
+from pymunk_dragon._checks import MAX_COORDINATE, finite, instance, instances, numbers, whole, word
 from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon._language import text
 from pymunk_dragon.errors import DragonError, FileFormatError, ParameterError

@@ -47,7 +47,7 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
 
-from pymunk_dragon._arguments import flag, label, numbers
+from pymunk_dragon._checks import flag, label, numbers
 from pymunk_dragon._files import read_text
 from pymunk_dragon.errors import FileFormatError, ParameterError
 from pymunk_dragon.model.curves import Curve, Sampled

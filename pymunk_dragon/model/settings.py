@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
-from pymunk_dragon._arguments import finite, positive, whole, word
+from pymunk_dragon._checks import finite, positive, whole, word
 from pymunk_dragon.errors import ParameterError
 
 # Response to contacts: end the run, go on and record them, or let the engine push the benches apart.

@@ -11,14 +11,15 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pymunk_dragon._arguments import Array, finite, number, numbers, positive
+from pymunk_dragon._arrays import Array
+from pymunk_dragon._checks import finite, number, numbers, positive
 from pymunk_dragon._files import number_rows
 from pymunk_dragon.errors import FileFormatError, ParameterError
 
 # m/s: a thousandth of a snail's speed, and more than the 13 m/s of sprinters.
 MIN_SPEED, MAX_SPEED = 1e-6, 20.0
 # s, thirty years. At this time a double still resolves microseconds.
-_MAX_TIME = 1e9
+MAX_TIME = 1e9
 # s or m. Larger times and distances count as infinite; at this one a double resolves 0.1 s or m.
 _FARTHEST = 1e15
 # s. Smallest time between entries; faster changes of speed are jumps.
@@ -48,7 +49,7 @@ class SpeedTable:
     speeds: Sequence[float]
 
     def __post_init__(self) -> None:
-        for name, bounds in (("times", (-_MAX_TIME, _MAX_TIME, "s")), ("speeds", (MIN_SPEED, MAX_SPEED, "m/s"))):
+        for name, bounds in (("times", (-MAX_TIME, MAX_TIME, "s")), ("speeds", (MIN_SPEED, MAX_SPEED, "m/s"))):
             values = numbers(name, getattr(self, name))
             if values.ndim != 1 or not values.size:
                 raise ParameterError(name, getattr(self, name), "a sequence of at least one number")
@@ -73,8 +74,8 @@ class SpeedTable:
         >>> float(SpeedTable.of(lambda t: 1 + 0.3 * math.sin(t), -10, 450).at(60).round(6))
         0.908557
         """
-        begin = finite("start", start, -_MAX_TIME, _MAX_TIME, "s")
-        length = positive("until", finite("until", until, -_MAX_TIME, _MAX_TIME, "s") - begin, np.inf, "s after start")
+        begin = finite("start", start, -MAX_TIME, MAX_TIME, "s")
+        length = positive("until", finite("until", until, -MAX_TIME, MAX_TIME, "s") - begin, np.inf, "s after start")
         entries = length / finite("step", step, max(_MIN_STEP, length / _MAX_ENTRIES), length, "s")
         times = np.linspace(begin, begin + length, int(np.ceil(entries)) + 1)
         try:

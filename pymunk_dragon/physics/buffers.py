@@ -9,7 +9,7 @@ import pymunk
 from pymunk import batch
 from pymunk.batch import BodyFields
 
-from pymunk_dragon._arguments import Array
+from pymunk_dragon._arrays import Array
 
 # Fields of all bodies that are read after a step or written before it; combined here, as that takes
 # microseconds.

@@ -9,7 +9,7 @@ from itertools import chain
 import numpy as np
 import pymunk
 
-from pymunk_dragon._arguments import Array
+from pymunk_dragon._arrays import Array
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import States
 from pymunk_dragon.physics.guide import PathGuide

@@ -7,7 +7,7 @@ from typing import Protocol
 
 import pymunk
 
-from pymunk_dragon._arguments import Array
+from pymunk_dragon._arrays import Array
 from pymunk_dragon.model.march import March, States
 
 

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 import pymunk
 
-from pymunk_dragon._arguments import Array, Complex, as_vectors
+from pymunk_dragon._arrays import Array, Complex, as_vectors
 from pymunk_dragon.model.march import States
 from pymunk_dragon.physics.guide import GuidedWorld, PathGuide
 

@@ -15,7 +15,7 @@ import pymunk
 from pymunk import batch
 from pymunk.batch import ArbiterFields, BodyFields
 
-from pymunk_dragon._arguments import Array, as_complex
+from pymunk_dragon._arrays import Array, as_complex
 from pymunk_dragon.errors import ParameterError
 
 # Impulse in the row of a contact point that has no arrow: that of its pair is in another row.

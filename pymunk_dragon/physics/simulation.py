@@ -10,7 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from pymunk_dragon._arguments import Array, as_vectors, function
+from pymunk_dragon._arrays import Array, as_vectors
+from pymunk_dragon._checks import function
 from pymunk_dragon._signals import signals_held
 from pymunk_dragon.errors import DragonError, UnreachableError
 from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog

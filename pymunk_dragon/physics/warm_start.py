@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pymunk
 
-from pymunk_dragon._arguments import Array
+from pymunk_dragon._arrays import Array
 
 # Of each bench but the first: the pivot to the bench before, and pins to bodies with a position of their own.
 _Joints = Sequence[tuple[pymunk.PivotJoint, Sequence[pymunk.PinJoint]]]

@@ -11,10 +11,12 @@ from typing import Any
 import numpy as np
 import pymunk
 
-from pymunk_dragon._arguments import Array, finite, flag, instance, whole, word
+from pymunk_dragon._arrays import Array
+from pymunk_dragon._checks import finite, flag, instance, whole, word
 from pymunk_dragon.errors import ParameterError, UnreachableError
 from pymunk_dragon.model.march import March, States, check_march
 from pymunk_dragon.model.settings import EngineSettings
+from pymunk_dragon.model.speed import MAX_TIME
 from pymunk_dragon.physics.buffers import Buffers
 from pymunk_dragon.physics.dancers import Dancers
 from pymunk_dragon.physics.guide import GUIDES, PathGuide
@@ -27,8 +29,6 @@ from pymunk_dragon.physics.warm_start import set_impulses
 _AREA_DENSITY = 20.0
 # Friction of wood on wood; it matters only where contacts are resolved.
 _FRICTION = 0.4
-# Times further than this from any march, s, lose their milliseconds to rounding.
-_MAX_TIME = 1e9
 
 # 1/s: rate at which the time of a march that stands goes to where the head is.
 _RECOVERING = 5.0
@@ -111,8 +111,8 @@ class World:
         check_march(march)
         settings = EngineSettings() if settings is None else settings
         instance("settings", settings, EngineSettings, "an EngineSettings")
-        start = finite("start", start, -_MAX_TIME, _MAX_TIME, "s")
-        if until is not None and finite("until", until, -_MAX_TIME, _MAX_TIME, "s") <= start:
+        start = finite("start", start, -MAX_TIME, MAX_TIME, "s")
+        if until is not None and finite("until", until, -MAX_TIME, MAX_TIME, "s") <= start:
             raise ParameterError("until", until, f"later than the start, {start:g} s")
 
         self.march = march

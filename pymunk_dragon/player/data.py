@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from pymunk_dragon._arguments import Array
+from pymunk_dragon._arrays import Array
 from pymunk_dragon.collision import Grid
 from pymunk_dragon.drawing.scene import hole_diameter
 from pymunk_dragon.errors import UnreachableError

@@ -12,7 +12,8 @@ from traceback import clear_frames
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pymunk_dragon._arguments import Array, finite, numbers
+from pymunk_dragon._arrays import Array
+from pymunk_dragon._checks import finite, numbers
 from pymunk_dragon._extras import library
 from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon._language import text

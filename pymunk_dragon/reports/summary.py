@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from pymunk_dragon._arguments import Array
+from pymunk_dragon._arrays import Array
 from pymunk_dragon.collision import FirstContact, NearMiss, first_contact
 from pymunk_dragon.errors import ParameterError, UnreachableError
 from pymunk_dragon.model.contact import Contact

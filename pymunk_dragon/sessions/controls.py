@@ -11,7 +11,7 @@ from typing import Any
 
 import pymunk
 
-from pymunk_dragon._arguments import finite, flag, function, label
+from pymunk_dragon._checks import finite, flag, function, label
 from pymunk_dragon._extras import library
 from pymunk_dragon.errors import ParameterError
 

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import pymunk
 
-from pymunk_dragon._arguments import Array, word
+from pymunk_dragon._arrays import Array
+from pymunk_dragon._checks import word
 from pymunk_dragon.drawing.debug_draw import DrawRecorder
 from pymunk_dragon.drawing.scene import hole_diameter
 from pymunk_dragon.model.march import March

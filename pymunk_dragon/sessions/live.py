@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import pymunk
 
-from pymunk_dragon._arguments import finite, flag, function, instance, instances, label, whole
+from pymunk_dragon._checks import finite, flag, function, instance, instances, label, whole
 from pymunk_dragon._extras import library
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, fields
 from typing import Any, ClassVar
 
-from pymunk_dragon._arguments import MAX_COORDINATE, finite, flag, label, positive, whole, word
+from pymunk_dragon._checks import MAX_COORDINATE, finite, flag, label, positive, whole, word
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.sessions.dragon import DragonScene
 from pymunk_dragon.sessions.scene import Scene

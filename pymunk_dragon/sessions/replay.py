@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from pymunk_dragon._arguments import finite, whole
+from pymunk_dragon._checks import finite, whole
 from pymunk_dragon._files import read_text
 from pymunk_dragon.errors import DragonError, FileFormatError
 from pymunk_dragon.sessions.messages import Input, Set, read_input

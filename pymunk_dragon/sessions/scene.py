@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 import pymunk
 
-from pymunk_dragon._arguments import Array, number, word
+from pymunk_dragon._arrays import Array
+from pymunk_dragon._checks import number, word
 from pymunk_dragon.drawing.debug_draw import DrawRecorder, area
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.physics.readings import QUANTITIES, Readings, Touches, body_at, energies, grip, joint_at, units

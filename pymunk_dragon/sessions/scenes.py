@@ -12,7 +12,7 @@ from typing import Any
 
 import pymunk
 
-from pymunk_dragon._arguments import finite, word
+from pymunk_dragon._checks import finite, word
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.curves import Line, Spiral
 from pymunk_dragon.model.dragon import Dragon

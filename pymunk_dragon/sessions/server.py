@@ -19,7 +19,7 @@ from urllib.parse import urlsplit
 from aiohttp import WSMsgType, web
 from aiohttp.typedefs import Handler
 
-from pymunk_dragon._arguments import whole
+from pymunk_dragon._checks import whole
 from pymunk_dragon._language import language
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.sessions.client import Client

@@ -15,7 +15,7 @@ from typing import Any
 
 import pymunk
 
-from pymunk_dragon._arguments import finite
+from pymunk_dragon._checks import finite
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.physics.contacts import callbacks_raise
 from pymunk_dragon.sessions.client import Client, Clients

@@ -9,7 +9,7 @@ from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pymunk_dragon._arguments import instance
+from pymunk_dragon._checks import instance
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.model._display import TextResult, width
 from pymunk_dragon.model.dragon import Dragon

@@ -27,7 +27,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pymunk_dragon._arguments import Array, as_vectors, finite, function
+from pymunk_dragon._arrays import Array, as_vectors
+from pymunk_dragon._checks import finite, function
 from pymunk_dragon._language import text
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model import chain

@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pymunk_dragon._arguments import as_vectors, finite, function, positive
+from pymunk_dragon._arrays import as_vectors
+from pymunk_dragon._checks import finite, function, positive
 from pymunk_dragon._language import text
 from pymunk_dragon.collision import Separation, first_contact, separation
 from pymunk_dragon.errors import DragonError, ParameterError

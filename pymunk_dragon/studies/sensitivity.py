@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from pymunk_dragon._arguments import function
+from pymunk_dragon._checks import function
 from pymunk_dragon._language import text
 from pymunk_dragon.collision import FirstContact, first_contact
 from pymunk_dragon.errors import ParameterError

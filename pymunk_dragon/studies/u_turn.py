@@ -27,7 +27,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from pymunk_dragon._arguments import Array, Complex, flag, function
+from pymunk_dragon._arrays import Array, Complex
+from pymunk_dragon._checks import flag, function
 from pymunk_dragon._extras import library
 from pymunk_dragon._language import text
 from pymunk_dragon.collision import FirstContact, first_contact

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from pymunk_dragon._arguments import number, word
+from pymunk_dragon._checks import number, word
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.scenario import Scenario

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pymunk_dragon._arguments import Array, Flags
+from pymunk_dragon._arrays import Array, Flags
 from pymunk_dragon._language import text
 from pymunk_dragon.drawing.figures.style import COLOURS, QUIET, chart, halo
 from pymunk_dragon.sweeps.axes import varied

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from pymunk_dragon._arguments import word
+from pymunk_dragon._checks import word
 from pymunk_dragon.collision import first_contact
 from pymunk_dragon.errors import DragonError, ParameterError, one_line
 from pymunk_dragon.model.march import March

@@ -5,11 +5,11 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
+import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 from functools import partial as partial_of
-from importlib import import_module
 from importlib.metadata import version
 from itertools import filterfalse
 from multiprocessing import get_context, parent_process
@@ -21,7 +21,7 @@ from time import perf_counter
 from typing import Any
 from zlib import crc32
 
-from pymunk_dragon._arguments import flag, function, instances, label, whole
+from pymunk_dragon._checks import flag, function, instances, label, whole
 from pymunk_dragon._extras import library
 from pymunk_dragon._signals import ENDING, signals_held
 from pymunk_dragon.errors import DragonError, ParameterError
@@ -120,7 +120,7 @@ def sweep(
 
 def _description(quantity: Quantity, axes: Axes, base: Values) -> dict[str, Any]:
     """Plain values that determine all outcomes."""
-    file = getattr(import_module(quantity.function.__module__), "__file__", None)
+    file = getattr(sys.modules[quantity.function.__module__], "__file__", None)
     source = file and crc32(Path(file).read_bytes())
     described = {"version": version("pymunk-dragon"), "quantity": quantity.name, "source": source}
     return described | {"axes": list(axes.items()), "scenario": sorted(base.items())}

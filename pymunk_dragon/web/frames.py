@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from pymunk_dragon._arguments import Array
+from pymunk_dragon._arrays import Array
 from pymunk_dragon.drawing.debug_draw import DrawCall
 
 # Numbers of the kinds of calls; contacts are sent apart.

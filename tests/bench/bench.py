@@ -30,7 +30,7 @@ import exact_curves
 import oracle
 
 from pymunk_dragon import Dragon, EngineSettings, Film, Grid, March, Run, UTurn, World, first_contact, separation
-from pymunk_dragon._arguments import Array
+from pymunk_dragon._arrays import Array
 from pymunk_dragon._extras import library
 from pymunk_dragon.drawing import render
 from pymunk_dragon.drawing.debug_draw import PillowDrawOptions

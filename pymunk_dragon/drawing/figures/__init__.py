@@ -28,7 +28,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from PIL import Image
 
-from pymunk_dragon._arguments import instance, word
+from pymunk_dragon._checks import instance, word
 from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon.drawing import STILL_ENDINGS, render
 from pymunk_dragon.drawing.figures.charts import FIGURES, NamedFigure

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pymunk_dragon._arguments import Array
+from pymunk_dragon._arrays import Array
 from pymunk_dragon._language import text
 from pymunk_dragon.collision import Grid, separation
 from pymunk_dragon.drawing import Film

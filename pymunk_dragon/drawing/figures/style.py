@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from PIL import ImageFont
 
-from pymunk_dragon._arguments import Array
+from pymunk_dragon._arrays import Array
 from pymunk_dragon._extras import library
 from pymunk_dragon._language import font, language, text
 from pymunk_dragon.collision import FirstContact, first_contact

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-from pymunk_dragon._arguments import finite, function, instance
+from pymunk_dragon._checks import finite, function, instance
 from pymunk_dragon._files import check_destination, passed_on, written_in_place
 from pymunk_dragon.drawing.film.formats import WRITERS, Frames, written_size
 from pymunk_dragon.drawing.film.layout import Layout

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from pymunk_dragon._arguments import finite, flag, instance, instances, label, positive, whole, word
+from pymunk_dragon._checks import finite, flag, instance, instances, label, positive, whole, word
 from pymunk_dragon.drawing.camera import Camera
 from pymunk_dragon.drawing.marks import OVERLAYS
 from pymunk_dragon.errors import ParameterError

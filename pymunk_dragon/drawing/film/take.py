@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from pymunk_dragon._arguments import finite
+from pymunk_dragon._checks import finite
 from pymunk_dragon.collision import FirstContact, NearMiss, first_contact
 from pymunk_dragon.drawing.film.settings import Film
 from pymunk_dragon.drawing.snapshots import Snapshots
@@ -20,11 +20,10 @@ from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.contact import Contact
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
+from pymunk_dragon.model.speed import MAX_TIME
 
 # s: margin by which the search for a contact at the end of a film extends beyond the end.
 _CONTACT_MARGIN = 1e-6
-# s: thirty years, the longest time of a march whose curve has no end.
-_MAX_TIME = 1e9
 # s: duration shown of a march without a first contact, or on a curve without an end.
 _DEFAULT_DURATION = 60.0
 
@@ -95,7 +94,7 @@ def shared_window(sources: Sequence[Snapshots]) -> Window:
     """Return the time interval, s, in which all sources can be shown; a run that has ended keeps its last frame."""
     runs = [source.run.times[[0, -1]] for source in sources if source.run is not None]
     if not runs:
-        return -_MAX_TIME, min(_MAX_TIME, *(source.march.end for source in sources))
+        return -MAX_TIME, min(MAX_TIME, *(source.march.end for source in sources))
     begins, ends = np.transpose(runs).tolist()
     return max(begins), max(ends)
 

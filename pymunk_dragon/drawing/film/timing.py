@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pymunk_dragon._arguments import Array
+from pymunk_dragon._arrays import Array
 from pymunk_dragon.drawing.film.settings import Film
 from pymunk_dragon.drawing.film.take import Take
 from pymunk_dragon.errors import ParameterError

@@ -12,7 +12,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from pymunk_dragon._arguments import word
+from pymunk_dragon._checks import word
 from pymunk_dragon._language import LANGUAGES
 
 FOLDER = Path(__file__).parent.parent

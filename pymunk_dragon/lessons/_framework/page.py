@@ -7,7 +7,7 @@ from io import BytesIO
 from pathlib import Path
 from typing import Any
 
-from pymunk_dragon._arguments import function, instances, word
+from pymunk_dragon._checks import function, instances, word
 from pymunk_dragon._extras import library
 from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon._language import LANGUAGES, in_language, text

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pymunk_dragon._arguments import instance
+from pymunk_dragon._checks import instance
 from pymunk_dragon._extras import FEATURES, is_installed
 from pymunk_dragon._files import temporary_folder
 from pymunk_dragon._signals import signals_held

@@ -9,7 +9,7 @@ import textwrap
 from itertools import pairwise
 from pathlib import Path
 
-from pymunk_dragon._arguments import instance, word
+from pymunk_dragon._checks import instance, word
 from pymunk_dragon._extras import is_installed
 from pymunk_dragon._language import LANGUAGES, in_language, text
 from pymunk_dragon.errors import MissingExtraError

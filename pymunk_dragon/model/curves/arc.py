@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pymunk_dragon._arguments import Array, finite
+from pymunk_dragon._arrays import Array
+from pymunk_dragon._checks import finite
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.curves.base import FARTHEST, PackageCurve, position
 

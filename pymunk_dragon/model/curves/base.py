@@ -10,7 +10,8 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pymunk_dragon._arguments import Array, Complex, as_complex, finite, fitting, numbers, within, word
+from pymunk_dragon._arrays import Array, Complex, as_complex
+from pymunk_dragon._checks import finite, fitting, numbers, within, word
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model import chain
 

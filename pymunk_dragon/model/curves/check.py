@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pymunk_dragon._arguments import Array, as_vectors, finite, number, numbers
+from pymunk_dragon._arrays import Array, as_vectors
+from pymunk_dragon._checks import finite, number, numbers
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.curves.base import Curve, required_curve
 

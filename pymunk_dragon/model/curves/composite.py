@@ -10,7 +10,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pymunk_dragon._arguments import Array, Complex, as_complex, number
+from pymunk_dragon._arrays import Array, Complex, as_complex
+from pymunk_dragon._checks import number
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.curves.base import Curve, PackageCurve, required_curve
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pymunk_dragon._arguments import Array
+from pymunk_dragon._arrays import Array
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.curves.base import PackageCurve, position
 

@@ -9,7 +9,8 @@ from typing import Self
 
 import numpy as np
 
-from pymunk_dragon._arguments import Array, ArrayRecord, Complex, Indices, as_complex, as_vectors, numbers, read_only
+from pymunk_dragon._arrays import Array, ArrayRecord, Complex, Indices, as_complex, as_vectors, read_only
+from pymunk_dragon._checks import numbers
 from pymunk_dragon._extras import library
 from pymunk_dragon._files import number_rows
 from pymunk_dragon.errors import FileFormatError, ParameterError

@@ -8,7 +8,8 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pymunk_dragon._arguments import Array, Complex, as_complex, as_vectors, finite, fitting, numbers, positive
+from pymunk_dragon._arrays import Array, Complex, as_complex, as_vectors
+from pymunk_dragon._checks import finite, fitting, numbers, positive
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.curves.base import PackageCurve, within_reach
 

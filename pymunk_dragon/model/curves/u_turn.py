@@ -8,7 +8,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from pymunk_dragon._arguments import Array, finite
+from pymunk_dragon._arrays import Array
+from pymunk_dragon._checks import finite
 from pymunk_dragon.model.curves.arc import Arc
 from pymunk_dragon.model.curves.base import Curve
 from pymunk_dragon.model.curves.composite import Composite, Section

@@ -1,10 +1,9 @@
-"""Checks of arguments, each of which returns a plain Python object or raises a `ParameterError`; and arrays."""
+"""Checks of arguments, each of which returns a plain Python object or raises a `ParameterError`."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import fields
 from numbers import Integral, Real
 from types import UnionType
 from typing import Any, TypeVar
@@ -12,17 +11,11 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from pymunk_dragon._arrays import Array
 from pymunk_dragon.errors import ParameterError
 
-A = TypeVar("A", bound=np.generic)
 C = TypeVar("C", bound=Callable[..., Any])
 T = TypeVar("T")
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
-Flags = NDArray[np.bool_]
-Indices = NDArray[np.intp]
-
 # m: coordinates of benches. A thousand times the rim of the largest spiral; products of such coordinates are far from
 # the ends of a double.
 MAX_COORDINATE = 1e9
@@ -133,38 +126,3 @@ def number(value: object) -> float:
         return float(value) if isinstance(value, Real) and not isinstance(value, bool) else math.nan
     except OverflowError:  # an int too large for a double
         return math.inf
-
-
-def as_complex(vectors: Array) -> Complex:
-    """Vectors (..., 2) as complex numbers (...), in the same memory if it is contiguous."""
-    return np.ascontiguousarray(vectors, dtype=float).view(complex)[..., 0]
-
-
-def as_vectors(numbers: Complex) -> Array:
-    """Complex numbers (...) as vectors (..., 2), in the same memory."""
-    return numbers[..., None].view(float)
-
-
-def read_only(array: NDArray[A]) -> NDArray[A]:
-    """`array` itself, made read-only."""
-    array.flags.writeable = False
-    return array
-
-
-class ArrayRecord:
-    """Equality and hash of dataclasses with arrays: their shapes, types and bits.
-
-    Fields with ``compare=False`` are ignored, and others than arrays in the hash.
-    """
-
-    def __eq__(self, other: object) -> bool:
-        return _values(self) == _values(other) if type(other) is type(self) else NotImplemented
-
-    def __hash__(self) -> int:
-        return hash(tuple(value for kind, value in _values(self) if kind is np.ndarray))
-
-
-def _values(record: Any) -> list[tuple[type, Any]]:
-    """The class and the value of each field that is compared; of an array what can be compared."""
-    values = [getattr(record, field.name) for field in fields(record) if field.compare]
-    return [(type(v), (v.shape, v.dtype.str, v.tobytes()) if isinstance(v, np.ndarray) else v) for v in values]
