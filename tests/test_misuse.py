@@ -128,6 +128,7 @@ def test_arguments_of_the_wrong_kind_raise_no_errors_of_the_code_inside():
                     call(**arguments | {name: value})
 
 
+TURNING = March(SMALL, UTurn())
 # Calls with one wrong argument, and the name of that argument.
 REFUSED = [
     *(

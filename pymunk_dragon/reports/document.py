@@ -76,7 +76,8 @@ def subtitle(summary: Summary) -> str:
     scenario, player = summary.scenario, json_values(summary.run.player)
     name = scenario["curve"]
     kind = summary.run.march.curve.kind or name.lower()
-    curve = text(_CURVES.get(name, kind.replace("-", " ")))
+    own_name = kind.replace("-", " ")
+    curve = text(_CURVES.get(name, own_name))
     for size, template in _SIZES.items():
         if scenario.get(size) is not None:
             curve += text(template).format(size=f"{scenario[size]:g}")

@@ -92,12 +92,13 @@ class EventLimit:
 
     def passed(self, texts: list[str], now: float) -> list[str]:
         """Return the texts of events to send; the first ones of a second follow the number of those left out before."""
-        left_out = self._count - _MAX_EVENTS
+        # The catalogue of translations has the names of fields, here {i}.
+        i = self._count - _MAX_EVENTS
         if now - self._second >= 1:
             self._second = now
             self._count = 0
-            if left_out > 0:
-                texts = [f"{left_out} further events in a second", *texts]
+            if i > 0:
+                texts = [f"{i} further events in a second", *texts]
         passed = texts[: max(_MAX_EVENTS - self._count, 0)]
         self._count += len(texts)
         return passed

@@ -114,12 +114,12 @@ class DragonScene(Scene):
                 self._earlier[arbiter.shapes] = arbiter.total_impulse
                 return
         numbers = [self._numbers.get(shape, _OBSTACLE) for shape in arbiter.shapes]
-        pair = i, j = min(numbers), max(numbers)
+        pair = min(numbers), max(numbers)
         if pair not in self._touched and pair not in self._touching:
-            self.events.append(f"bench {j} and an obstacle touch" if i == _OBSTACLE else f"benches {i} and {j} touch")
+            self.events.append(_touch_text(*pair))
             self.stops |= self._contacts_do == "stop"
         impulse = impulse_of(arbiter, self._earlier[arbiter.shapes], self._ratio).length if solved else 0.0
-        self._touching.setdefault(pair, []).extend(arbiter_rows(arbiter, numbers[0] == j, impulse))
+        self._touching.setdefault(pair, []).extend(arbiter_rows(arbiter, numbers[0] == pair[1], impulse))
 
     def contacts(self, value: str) -> None:
         """Choose what contacts do."""
@@ -189,3 +189,11 @@ class DragonScene(Scene):
 def _settings(values: Values) -> dict[str, Any]:
     """Return the settings of the engine for values of the sliders."""
     return {"substep": values["step"] / 1e3, "iterations": int(values["iterations"]), "drag": values["drag"]}
+
+
+def _touch_text(first: int, i: int) -> str:
+    """Return the event of a pair that begins to touch; the first number may be that of obstacles."""
+    if first == _OBSTACLE:
+        return f"bench {i} and an obstacle touch"
+    i, j = first, i
+    return f"benches {i} and {j} touch"
