@@ -60,9 +60,12 @@ def quantity_of(quantity: str | Callable[..., Values]) -> Quantity:
         return QUANTITIES[word("quantity", name, [*QUANTITIES, "module:function"])]
     try:
         found: Any = resolve_name(name)
-        if quantity in (found, name):
+        if not callable(found):
+            reason = "it cannot be called"
+        elif quantity in (found, name):
             return Quantity(name, found)
-        reason = "another object has this name"
+        else:
+            reason = "another object has this name"
     except (Exception, SystemExit) as error:  # The module is the user's, and may raise any.
         reason = f"{type(error).__name__}: {error}"
     raise ParameterError("quantity", name, f"an importable function ({reason})")
