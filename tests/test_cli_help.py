@@ -194,7 +194,10 @@ BAD_INPUT = {
     "sweep --axis pich=0.4,0.5": "pitch",
     "sweep --axis benches=2.5": "'benches=2.5'",
     "sweep --axis pitch=5,6 --axis width=0.1,0.2 --axis turns=8,9 -o map.png": "-o 'map.png'",
-    **{f"{ONE} --quantity {name}": f"--quantity '{name}'" for name in ("math:none", "math:pi", "failing:f", "broken:f", "f:")},
+    **{
+        f"{ONE} --quantity {name}": f"--quantity '{name}'"
+        for name in ("math:none", "math:pi", "failing:f", "broken:f", "f:")
+    },
     f"{ONE} --quantity contact-tim": "contact-time",
     f"{ONE} --workers 0": "--workers 0",
     f"{ONE} --scheduler localhost": "--scheduler 'localhost'",
