@@ -213,6 +213,9 @@ def test_wrong_notes_are_refused(load, tmp_path, monkeypatch):
         (lambda notes: notes["events"][0], ({"time": math.inf}, {"benches": [1]}, {"benches": [2, 0]})),
         (lambda notes: notes["events"][0], ({"benches": [0, 4]}, {"points": [[1, 2, 3]]}, {"impulse": ["1", 1.0]})),
         (lambda notes: notes["first_contact"], ({"benches": [3, 4]}, {"point": None}, {"depth": "deep"})),
+        # Where no picture could draw it.
+        (lambda notes: notes["first_contact"], ({"point": [1e308, 0]}, {"normal": [0, 1e308]}, {"depth": 1e308})),
+        (lambda notes: notes["events"][0], ({"points": [[0, -1e308]]}, {"time": 1e308})),
     ):
         for change in changes:
             damaged = notes(lambda values, part=part, change=change: part(values).update(change))

@@ -8,7 +8,7 @@ from typing import Any, Literal, TypeVar, get_args
 
 import numpy as np
 
-from pymunk_dragon._checks import finite, numbers, whole, word
+from pymunk_dragon._checks import MAX_COORDINATE, finite, numbers, whole, word
 from pymunk_dragon._language import text
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model._display import table
@@ -18,6 +18,11 @@ Phase = Literal["begin", "pre_solve", "post_solve", "separate"]
 _Vector = tuple[float, float]
 
 _Kind = TypeVar("_Kind")
+
+# Largest number in a file, by entry: as for a run's poses, m, where pictures draw it.
+_LIMITS = {"point": MAX_COORDINATE, "points": MAX_COORDINATE, "normal": 2.0, "depth": MAX_COORDINATE}
+# Largest number of the other entries: runs store such values in single precision.
+_MAX_VALUE = float(np.finfo(np.float32).max)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -165,9 +170,12 @@ def _read(name: str, value: Any) -> Any:
     """An entry of a record, checked; JSON has lists for tuples."""
     if name == "phase":
         return word(name, value, get_args(Phase))
+    limit = _LIMITS.get(name, _MAX_VALUE)
     if name in ("time", "raw_time", "depth"):
-        return finite(name, value, -np.inf, np.inf, "")
+        return finite(name, value, -limit, limit, "")
+
     vectors = numbers(name, value or np.empty((0, 2)), 2)
-    if vectors.ndim != (2 if name == "points" else 1) or not np.isfinite(vectors).all():
-        raise ParameterError(name, value, "finite numbers x, y")
+    is_bounded = bool((np.abs(vectors) <= limit).all())
+    if vectors.ndim != (2 if name == "points" else 1) or not is_bounded:
+        raise ParameterError(name, value, f"numbers x, y within {limit:g}")
     return tuple(map(tuple, vectors.tolist())) if vectors.ndim > 1 else tuple(vectors.tolist())

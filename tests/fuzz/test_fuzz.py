@@ -264,6 +264,9 @@ def check(arguments, files):
     # A sweep writes its table even if points failed.
     if code == 0 or (code == 1 and "sweep" in arguments):
         named = "\n".join(arguments)
+        if "render" in arguments:
+            # Without -o, a film has the name of the first run, or of a march.
+            named += "\n".join(["march.gif", *(f"{Path(word).stem}.gif" for word in arguments)])
         touched = {name for name in touched if name not in named and os.path.dirname(name) not in arguments}
     assert not touched, "files were changed or left behind"
 
