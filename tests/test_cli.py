@@ -9,6 +9,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import imageio.v3 as iio
 import openpyxl
 import pytest
 from conftest import DATA, assert_one_line
@@ -212,6 +213,20 @@ def test_size_of_a_film_that_is_not_the_one_given_is_said(call, here):
         assert call(*small, *arguments) == (0, "", "")
 
 
+def test_film_that_loses_a_row_by_the_height_of_its_texts_says_its_size(call, here):
+    small = ["render", "--benches", "5", "--until", "1", "--fps", "2", "--speedup", "1", "--size", "120x76"]
+    losses = set()
+    for texts in ([], ["--title", "T"], ["--caption", "C"], ["--title", "T", "--caption", "C"]):
+        _, _, err = call(*small, *texts, "-o", "f.mp4")
+        call(*small, *texts, "-o", "f.gif")
+        with Image.open("f.gif") as picture:
+            drawn = picture.size
+        written = iio.immeta("f.mp4")["size"]
+        assert (f"{written[0]} x {written[1]} " in err) == (written != drawn) == bool(err)
+        losses.add(written != drawn)
+    assert losses == {True, False}
+
+
 def test_render_sets_runs_side_by_side_with_their_marks_and_words(answer, small_run, tmp_path):
     run, picture = tmp_path / "r.npz", tmp_path / "p.png"
     small_run.save(run)
@@ -237,7 +252,12 @@ def test_render_sets_runs_side_by_side_with_their_marks_and_words(answer, small_
 @pytest.mark.thorough
 def test_film_of_a_march_ends_with_its_first_contact(answer, tmp_path, monkeypatch):
     timings = []
-    monkeypatch.setattr(command, "render_film", lambda *given: timings.append(render(*given)))
+
+    def recorded(*given):
+        timings.append(render(*given))
+        return timings[-1]
+
+    monkeypatch.setattr(command, "render_film", recorded)
     for path in (tmp_path / "m.gif", tmp_path / "m.png"):
         answer("render", "--benches", "16", "--size", "64", "-o", path)
     # The last 74 s before the contact at 412.47 s, in 11 s.

@@ -21,7 +21,6 @@ from pymunk_dragon.cli.options import (
 from pymunk_dragon.cli.output import print_file_result, progress
 from pymunk_dragon.drawing import FILM_ENDINGS, OVERLAYS, STILL_ENDINGS, Camera, Film
 from pymunk_dragon.drawing import render as render_film
-from pymunk_dragon.drawing.film.formats import written_size
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
@@ -91,9 +90,8 @@ def _write_film(sources: list[Run | March], path: Path, choices: dict[str, Any])
             if error.name == "show":
                 raise click.UsageError(f"--{error.value} must be {error.bound}") from error
             raise
-    # Not where only the height of the texts is odd: nobody chose that.
-    if written_size(path.suffix.lower(), film.shape) != film.shape:
-        width, height = timing.size or film.shape
+    if timing.is_cropped and timing.size is not None:
+        width, height = timing.size
         size = text("{path} has {width} x {height} pixels, as the width and height of an MP4 are even")
         click.echo(size.format(path=path, width=width, height=height), err=True)
 

@@ -98,7 +98,7 @@ def render(
             draft.write_bytes(_png(next(pictures)))
         else:
             WRITERS[ending](draft, frames)
-    return replace(timing, size=size)
+    return replace(timing, size=size, is_cropped=size != layout.size)
 
 
 def still_png(source: Source | Sequence[Source], time: float, film: Film | None = None) -> bytes:

@@ -42,12 +42,14 @@ class Timing:
     """Simulated times (F,) of the frames of a film, s; frames per second; and how long the last frame stays, s.
 
     `size` is the width and height of the film in its file, pixels; None before it is written.
+    `is_cropped` is whether the pictures lost a row or a column there.
     """
 
     times: Array
     fps: int
     hold: float
     size: tuple[int, int] | None = None
+    is_cropped: bool = False
 
     @property
     def ends(self) -> Array:
