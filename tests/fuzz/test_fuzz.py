@@ -42,6 +42,8 @@ FILES |= {"old.json": b"{}", "old.gif": b"GIF", "old.npz": b"old"}
 NAMES = [*FILES, "folder", "folder/new.json", "none/new.json", ".", "..", "../up.json", "new", "x" * 300 + ".json"]
 NAMES += ["é.json", "a b.csv", "a\nb.json", "-.json", ".json", "/dev/null", "\udcff.npz"]
 NAMES += [f"new.{ending}" for ending in ("json", "csv", "npz", "gif", "svg", "html", "md", "xlsx", "mp4")]
+# Endings of the files that commands write without -o.
+DEFAULT_ENDINGS = {"figure": ".png", "render": ".gif", "report": ".html"}
 # Right command lines that take little work. Every value is replaced now and then.
 COMMANDS = [
     "positions --benches 5 --times 0,1:3:1 --handles 0:3:1",
@@ -264,9 +266,10 @@ def check(arguments, files):
     # A sweep writes its table even if points failed.
     if code == 0 or (code == 1 and "sweep" in arguments):
         named = "\n".join(arguments)
-        if "render" in arguments:
-            # Without -o, a film has the name of the first run, or of a march.
-            named += "\n".join(["march.gif", *(f"{Path(word).stem}.gif" for word in arguments)])
+        # Without -o, the file has the name of the run or of the figure, and a film without a run that of a march.
+        stems = ["march", *(Path(word).stem for word in arguments)]
+        for command in DEFAULT_ENDINGS.keys() & {*arguments}:
+            named += "\n".join(f"{stem}{DEFAULT_ENDINGS[command]}" for stem in stems)
         touched = {name for name in touched if name not in named and os.path.dirname(name) not in arguments}
     assert not touched, "files were changed or left behind"
 
