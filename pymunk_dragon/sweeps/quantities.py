@@ -67,7 +67,7 @@ def quantity_of(quantity: str | Callable[..., Values]) -> Quantity:
         else:
             reason = "another object has this name"
     except (Exception, SystemExit) as error:  # The module is the user's, and may raise any.
-        reason = f"{type(error).__name__}: {error}"
+        reason = f"{type(error).__name__}, {error}"
     raise ParameterError("quantity", name, f"an importable function ({reason})")
 
 
