@@ -141,6 +141,7 @@ REFUSED = [
     (write_tables, {"march": MARCH, "times": [10**400], "path": "new.xlsx"}, "times"),
     (write_contact_table, {"march": MARCH, "impact_time": 10**400, "path": "new.xlsx"}, "impact_time"),
     (figure, {"name": "gap", "source": 0}, "source"),
+    (figure, {"name": "gap", "source": March(SMALL, turns=1e-300)}, "march"),
     (render, {"source": MARCH, "path": "new.png", "film": 0}, "film"),
     *((sweep, {"scenario": value, "axes": {"pitch": [0.5]}}, "scenario") for value in (0, "")),
     *(

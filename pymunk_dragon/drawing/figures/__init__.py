@@ -138,6 +138,10 @@ def _laid_out(drawn: Figure) -> Figure:
     return drawn
 
 
+# s: a march that ends earlier has no time to draw; axes of a shorter interval have equal ends.
+_SHORTEST_MARCH = 1e-6
+
+
 def _figure_source(named: NamedFigure, source: Run | March | None) -> FigureSource:
     """Return what is drawn of a source: a march to the end of its curve, or for the times of a run."""
     if isinstance(source, Run):
@@ -149,4 +153,7 @@ def _figure_source(named: NamedFigure, source: Run | March | None) -> FigureSour
     instance("source", march, March, "a run or a march")
     if not np.isfinite(march.end):
         raise ParameterError("march", "one on a curve without end", "a run, which defines the time interval")
+    if march.end < _SHORTEST_MARCH:
+        bound = f"one of at least {_SHORTEST_MARCH:g} s"
+        raise ParameterError("march", f"one of {march.end:g} s", bound)
     return FigureSource(march)
