@@ -110,12 +110,16 @@ def playing(browser, monkeypatch, **options):
 
 
 def posted(session, pygame, wanted):
-    """Wait until pygame has so many events that are no motion; their names, and buttons, keys or turns."""
+    """Wait until a page has posted so many events that are no motion; their names, and buttons, keys or turns.
+
+    SDL has events of its own in the queue, as of a new audio device or of a window that gains the focus.
+    """
+    kinds = (pygame.KEYDOWN, pygame.KEYUP, pygame.MOUSEBUTTONDOWN, pygame.MOUSEBUTTONUP, pygame.MOUSEWHEEL)
     found, end = [], time.monotonic() + PATIENCE
     while len(found) < wanted:
         assert time.monotonic() < end, found
         with session.paused():
-            found += [event for event in pygame.event.get() if event.type != pygame.MOUSEMOTION]
+            found += [event for event in pygame.event.get() if event.type in kinds]
     values = [vars(event) for event in found]
     detail = [value.get("button") or value.get("key") or (value["x"], value["y"]) for value in values]
     return list(zip([pygame.event.event_name(event.type) for event in found], detail, strict=True))
