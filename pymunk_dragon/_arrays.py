@@ -47,4 +47,7 @@ class ArrayRecord:
 def _values(record: Any) -> list[tuple[type, Any]]:
     """The class and the value of each field that is compared; of an array what can be compared."""
     values = [getattr(record, field.name) for field in fields(record) if field.compare]
-    return [(type(v), (v.shape, v.dtype.str, v.tobytes()) if isinstance(v, np.ndarray) else v) for v in values]
+    return [
+        (type(v), (v.shape, v.dtype.str, v.tobytes()) if isinstance(v, np.ndarray) else v)
+        for v in values
+    ]

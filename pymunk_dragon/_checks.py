@@ -34,7 +34,9 @@ def positive(name: str, value: object, high: float, unit: str) -> float:
     amount = number(value)
     if math.isfinite(amount) and 0 < amount <= high:
         return amount
-    bound = "a finite number above 0" if high == math.inf else f"a number above 0 and at most {high:g}"
+    bound = (
+        "a finite number above 0" if high == math.inf else f"a number above 0 and at most {high:g}"
+    )
     raise ParameterError(name, value, f"{bound} {unit}".rstrip())
 
 
@@ -91,7 +93,9 @@ def within(name: str, values: Array, low: float, high: float, unit: str) -> Arra
     """`values`, if all of them are finite numbers within [low, high]."""
     wrong = values[~((values >= low) & (values <= high))]
     if wrong.size:
-        raise ParameterError(name, wrong[0].item(), f"numbers from {low:g} to {high:g} {unit}".rstrip())
+        raise ParameterError(
+            name, wrong[0].item(), f"numbers from {low:g} to {high:g} {unit}".rstrip()
+        )
     return values
 
 
@@ -111,11 +115,15 @@ def numbers(name: str, value: object, *tail: int, kind: type = float) -> NDArray
         array = np.asarray(value)
     except ValueError:  # lists of different lengths
         array = np.array(None)
-    real = array.dtype.kind in ("iufc" if kind is complex else "iuf") and (kind is not int or array.dtype.kind != "f")
+    real = array.dtype.kind in ("iufc" if kind is complex else "iuf") and (
+        kind is not int or array.dtype.kind != "f"
+    )
     if not real or (tail and array.shape[-len(tail) :] != tail):
         shape = "".join(f", {length}" for length in tail)
         raise ParameterError(
-            name, value, f"{'whole ' * (kind is int)}numbers" + f" of the shape (...{shape})" * bool(tail)
+            name,
+            value,
+            f"{'whole ' * (kind is int)}numbers" + f" of the shape (...{shape})" * bool(tail),
         )
     return array.astype(kind, copy=False)
 

@@ -100,7 +100,9 @@ def read_text(path: str | Path, name: str, limit: int = _MAX_TEXT) -> str:
         raise FileFormatError(path, "not a text file") from error
 
 
-def number_rows(path: str | Path, name: str, columns: Sequence[str]) -> tuple[list[int], list[tuple[float, ...]]]:
+def number_rows(
+    path: str | Path, name: str, columns: Sequence[str]
+) -> tuple[list[int], list[tuple[float, ...]]]:
     """Line numbers and rows of the CSV file of numbers that the parameter `name` gives.
 
     The first line may hold names; empty lines are skipped. `columns` is the content of each column, for messages.
@@ -112,7 +114,9 @@ def number_rows(path: str | Path, name: str, columns: Sequence[str]) -> tuple[li
         row = tuple(_numbers(cells))
         if any(cells) and (row or line > 1):
             if not len(row) == len(cells) == len(columns):
-                raise FileFormatError(path, f"line {line} must hold {meant}, not {content.strip()[:40]!r}")
+                raise FileFormatError(
+                    path, f"line {line} must hold {meant}, not {content.strip()[:40]!r}"
+                )
             rows[line] = row
     if not rows:
         raise FileFormatError(path, f"no line holds {meant}")

@@ -9,7 +9,9 @@ from types import FrameType
 from typing import Any
 
 # Those that the system has.
-ENDING = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
+ENDING = tuple(
+    getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)
+)
 
 
 @contextmanager
@@ -18,7 +20,9 @@ def signals_held(holds: Callable[[], bool] = lambda: True) -> Iterator[Callable[
 
     They are also run at the end. Where no handler can be set, outside the main thread or in a browser, nothing changes.
     """
-    handlers: dict[int, Any] = {each: handler for each in ENDING if callable(handler := signal.getsignal(each))}
+    handlers: dict[int, Any] = {
+        each: handler for each in ENDING if callable(handler := signal.getsignal(each))
+    }
     held: list[int] = []
 
     def handle(number: int, frame: FrameType | None) -> None:

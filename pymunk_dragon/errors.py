@@ -12,7 +12,9 @@ _SHORT.maxother = 80
 def one_line(text: str) -> str:
     """`text` with single spaces, and escape sequences for control characters."""
     words = " ".join(text.split())
-    return "".join(each if each.isprintable() else each.encode("unicode_escape").decode() for each in words)
+    return "".join(
+        each if each.isprintable() else each.encode("unicode_escape").decode() for each in words
+    )
 
 
 class DragonError(Exception):
@@ -40,7 +42,9 @@ class ParameterError(DragonError, ValueError):
 
     def __str__(self) -> str:
         # Also of a value whose own text cannot be made, as of an integer of 5000 digits.
-        return one_line(f"{self.name} is {_SHORT.repr_instance(self.value, 1)}, but must be {self.bound}")
+        return one_line(
+            f"{self.name} is {_SHORT.repr_instance(self.value, 1)}, but must be {self.bound}"
+        )
 
 
 class UnreachableError(DragonError):

@@ -42,7 +42,11 @@ TEXTS = {
     "CHANGELOG.md": ("changelog.html", "Changes"),
 }
 # Headings in the sidebar, by the first page below each.
-HEADINGS = {f"{GUIDES[0]}.html": "Guides", "pymunk_dragon/studies.html": "Modules", "names.html": "More"}
+HEADINGS = {
+    f"{GUIDES[0]}.html": "Guides",
+    "pymunk_dragon/studies.html": "Modules",
+    "names.html": "More",
+}
 # Pages by the addresses that texts have for the files: a guide names others without the folder.
 PAGES = {name: page for file, (page, _) in TEXTS.items() for name in (file, Path(file).name)}
 CITATION = "CITATION.cff"
@@ -94,11 +98,15 @@ ACCESSIBLE = {
 # A picture or a link with a relative address in Markdown, and the text of the link.
 RELATIVE = re.compile(r"(!)?\[(?(1)[^]]*|([^]]*))\]\((?!https?:)[^)]*\)")
 # The type behind `NDArray[np.float64]`.
-ARRAY = re.compile(r"numpy\.ndarray\[tuple\[(?:typing\.)?Any, \.\.\.\], numpy\.dtype\[numpy\.(\w+)\]\]")
+ARRAY = re.compile(
+    r"numpy\.ndarray\[tuple\[(?:typing\.)?Any, \.\.\.\], numpy\.dtype\[numpy\.(\w+)\]\]"
+)
 # How Python writes the annotations of parameters.
 FORMAT = inspect.formatannotation
 # A picture in Markdown or HTML.
-SHOWN = re.compile(r"!\[([^]]*)\]\(renders/([^)]+)\)|<img src=\"renders/([^\"]+)\"[^>]* alt=\"([^\"]*)\"")
+SHOWN = re.compile(
+    r"!\[([^]]*)\]\(renders/([^)]+)\)|<img src=\"renders/([^\"]+)\"[^>]* alt=\"([^\"]*)\""
+)
 
 
 def module_page(module: str) -> str:
@@ -108,7 +116,14 @@ def module_page(module: str) -> str:
 
 def names_text() -> str:
     """All public names, as Markdown."""
-    lines = ["# All names", "", "Each is imported from `pymunk_dragon`.", "", "| name | what it is |", "| --- | --- |"]
+    lines = [
+        "# All names",
+        "",
+        "Each is imported from `pymunk_dragon`.",
+        "",
+        "| name | what it is |",
+        "| --- | --- |",
+    ]
     for name, module in sorted(pymunk_dragon._MODULES.items(), key=lambda item: item[0].lower()):
         first = getattr(pymunk_dragon, name).__doc__.split("\n\n")[0]
         about = " ".join(first.split()).replace("|", r"\|")
@@ -141,24 +156,40 @@ def gallery_text(texts: Mapping[str, str], commands: Mapping[str, str]) -> str:
     made = [name for name in commands if name.endswith(PICTURES)]
     for picture in (*made, *(name for name in captions if name not in made)):
         caption, page = captions[picture]
-        lines += [f'<figure><a href="{page}"><img src="renders/{picture}" alt="" loading="lazy">{caption}</a>']
+        lines += [
+            f'<figure><a href="{page}"><img src="renders/{picture}" alt="" loading="lazy">{caption}</a>'
+        ]
         if picture in made:
             arguments = commands[picture]
-            runs = [name for name in commands if name.endswith(".npz") and f"renders/{name}" in arguments.split()]
-            shown = [*(f"{commands[name]} -o renders/{name}" for name in runs), f"{arguments} -o renders/{picture}"]
-            lines += [f"<pre>{escape(chr(10).join(f'pymunk-dragon {each}' for each in shown))}</pre>"]
+            runs = [
+                name
+                for name in commands
+                if name.endswith(".npz") and f"renders/{name}" in arguments.split()
+            ]
+            shown = [
+                *(f"{commands[name]} -o renders/{name}" for name in runs),
+                f"{arguments} -o renders/{picture}",
+            ]
+            lines += [
+                f"<pre>{escape(chr(10).join(f'pymunk-dragon {each}' for each in shown))}</pre>"
+            ]
         lines.append("</figure>")
     return "\n".join([*lines, "</div>"])
 
 
 def lessons_text() -> str:
     """What each lesson needs, takes and teaches, as its file says to teachers: a Markdown table without LaTeX."""
-    lines = ["| lesson | for whom, and what they know | minutes | goal |", "| --- | --- | --- | --- |"]
+    lines = [
+        "| lesson | for whom, and what they know | minutes | goal |",
+        "| --- | --- | --- | --- |",
+    ]
     for name, lesson in LESSONS.items():
         [block] = blocks(lesson.sections()["Teacher"])
         needs, minutes, _ = re.split(r"\. (\d+) minutes: ", block.items[0])
         goal = block.items[1].removeprefix("Goal: ")
-        lines.append(f"| [{name}](renders/lessons.html#{name}) | {needs} | {minutes} | {goal[0].upper()}{goal[1:]} |")
+        lines.append(
+            f"| [{name}](renders/lessons.html#{name}) | {needs} | {minutes} | {goal[0].upper()}{goal[1:]} |"
+        )
     return re.sub(r"[$\\]", "", "\n".join(lines))
 
 
@@ -166,7 +197,9 @@ def commands_text() -> str:
     """The help of every command, as Markdown."""
     lines = ["## The commands"]
     for name in COMMANDS:
-        context = click.Context(command(name), info_name=f"pymunk-dragon {name}", max_content_width=80)
+        context = click.Context(
+            command(name), info_name=f"pymunk-dragon {name}", max_content_width=80
+        )
         lines += ["", f"### {name}", "", "```text", command(name).get_help(context), "```"]
     return "\n".join(lines)
 
@@ -208,7 +241,9 @@ def short_annotation(annotation: object, *arguments: Any, **options: Any) -> str
     """An annotation as in the code: `ArrayLike` and `NDArray` instead of the types of NumPy behind them."""
     members = FORMAT(ArrayLike).removeprefix("Union[").removesuffix("]")
     text = (
-        FORMAT(annotation, *arguments, **options).replace(members, "ArrayLike").replace("Union[ArrayLike]", "ArrayLike")
+        FORMAT(annotation, *arguments, **options)
+        .replace(members, "ArrayLike")
+        .replace("Union[ArrayLike]", "ArrayLike")
     )
     return ARRAY.sub(r"NDArray[\1]", text)
 
@@ -253,7 +288,9 @@ def documented_modules() -> dict[str, doc.Module]:
 def anchors(module: doc.Module) -> set[str]:
     """The anchors of the classes and functions of a module, and of the members of the classes."""
     members = module.flattened_own_members
-    inner = [own for member in members if isinstance(member, doc.Class) for own in member.own_members]
+    inner = [
+        own for member in members if isinstance(member, doc.Class) for own in member.own_members
+    ]
     return {member.qualname for member in (*members, *inner)}
 
 
@@ -268,8 +305,13 @@ def build(directory: Path, commands: Mapping[str, str], copies: Path = RENDERS) 
     configure(titles)
     modules = documented_modules()
     members = {name: anchors(module) for name, module in modules.items()}
-    texts = {page: (ROOT / file).read_text("utf-8").replace("](../", "](renders/") for file, (page, _) in TEXTS.items()}
-    texts["teachers.html"] = texts["teachers.html"].replace("`make docs` writes the table here.", lessons_text())
+    texts = {
+        page: (ROOT / file).read_text("utf-8").replace("](../", "](renders/")
+        for file, (page, _) in TEXTS.items()
+    }
+    texts["teachers.html"] = texts["teachers.html"].replace(
+        "`make docs` writes the table here.", lessons_text()
+    )
     docstrings = {module_page(name): module.docstring for name, module in modules.items()}
     lists = {"names.html": names_text(), "gallery.html": gallery_text(docstrings | texts, commands)}
 
@@ -278,15 +320,22 @@ def build(directory: Path, commands: Mapping[str, str], copies: Path = RENDERS) 
     for page, text in (texts | lists).items():
         language = "zh" if page.endswith(".zh.html") else "en"
         whole = template.render(title=titles[page], content=to_html(text), current=page)
-        write(directory / page, with_links(page, whole.replace('lang="en"', f'lang="{language}"', 1), members))
+        write(
+            directory / page,
+            with_links(page, whole.replace('lang="en"', f'lang="{language}"', 1), members),
+        )
     everything = {module.modulename: module for module in modules.values()}
     # There is no setting for annotations: pdoc calls this function of Python's for those of results and fields, and
     # Python itself for those of parameters.
-    formats = [mock.patch.object(where, "formatannotation", short_annotation) for where in (inspect, doc)]
+    formats = [
+        mock.patch.object(where, "formatannotation", short_annotation) for where in (inspect, doc)
+    ]
     with formats[0], formats[1]:
         for name, module in modules.items():
             page = module_page(name)
-            write(directory / page, with_links(page, render.html_module(module, everything), members))
+            write(
+                directory / page, with_links(page, render.html_module(module, everything), members)
+            )
         # pdoc searches docstrings of modules only.
         everything |= {name: doc.Module(ModuleType(name, texts[f"{name}.html"])) for name in GUIDES}
         for module in everything.values():
@@ -295,9 +344,15 @@ def build(directory: Path, commands: Mapping[str, str], copies: Path = RENDERS) 
         order = (RENDERS / "templates" / "search_order.js").read_text(encoding="utf-8")
         write(directory / "search.js", f"{render.search_index(everything)}\n{order}")
     (directory / "figures").mkdir()
-    pictures = [path for path in (*RENDERS.glob("*.*"), *RENDERS.glob("figures/*.*")) if path.suffix in PICTURES]
+    pictures = [
+        path
+        for path in (*RENDERS.glob("*.*"), *RENDERS.glob("figures/*.*"))
+        if path.suffix in PICTURES
+    ]
     for source in (*pictures, *(copies / name for name in copied), ROOT / CITATION):
-        shutil.copyfile(source, directory / ("figures" if source.parent.name == "figures" else "") / source.name)
+        shutil.copyfile(
+            source, directory / ("figures" if source.parent.name == "figures" else "") / source.name
+        )
 
 
 if __name__ == "__main__":

@@ -70,7 +70,11 @@ def used_files() -> list[str]:
     loaded = (getattr(module, "__file__", None) for module in list(sys.modules.values()))
     modules = {Path(file) for file in loaded if file and Path(file).is_relative_to(root)}
     folders = {module.parent for module in modules}
-    data = [file for file in root.rglob("*.*") if file.suffix not in (".py", ".pyc") and {*file.parents[:2]} & folders]
+    data = [
+        file
+        for file in root.rglob("*.*")
+        if file.suffix not in (".py", ".pyc") and {*file.parents[:2]} & folders
+    ]
     return sorted(os.path.relpath(file) for file in {*modules, *data})
 
 
@@ -86,7 +90,9 @@ def make(target: Path, endings: list[str], arguments: list[str]) -> None:
     files = used_files()
     # The rules without a recipe are for files that are removed later.
     rules = "".join(f"{file}:\n" for file in files)
-    (RENDERS / ".commands" / f"{name}.d").write_text(f"{target}: {' '.join(files)}\n{rules}", encoding="utf-8")
+    (RENDERS / ".commands" / f"{name}.d").write_text(
+        f"{target}: {' '.join(files)}\n{rules}", encoding="utf-8"
+    )
 
 
 if __name__ == "__main__":

@@ -15,7 +15,9 @@ import pytest
 from playwright.sync_api import Browser, Dialog, Frame, Page, Route, sync_playwright
 
 CHROMIUM = shutil.which("chromium")
-needs_browser = pytest.mark.skipif(CHROMIUM is None, reason="no browser to open a page in: apt-get install chromium")
+needs_browser = pytest.mark.skipif(
+    CHROMIUM is None, reason="no browser to open a page in: apt-get install chromium"
+)
 
 # Texts, titles and names of elements, without what the reader types, commands, and what a run says of itself.
 TEXTS = """() => {
@@ -35,7 +37,9 @@ ARGUMENTS = ("--no-sandbox", "--disable-background-networking", "--disable-dev-s
 @contextmanager
 def chromium() -> Iterator[Browser]:
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=ARGUMENTS, timeout=120_000)
+        browser = playwright.chromium.launch(
+            executable_path=CHROMIUM, args=ARGUMENTS, timeout=120_000
+        )
         yield browser
         browser.close()
 
@@ -56,7 +60,9 @@ class Opened:
 
 
 @contextmanager
-def opened(browser: Browser, address: str, width: int = 1280, height: int = 800, **options: Any) -> Iterator[Opened]:
+def opened(
+    browser: Browser, address: str, width: int = 1280, height: int = 800, **options: Any
+) -> Iterator[Opened]:
     """Open a page in a window of its own; `options` are Playwright's for a browser context."""
     context = browser.new_context(viewport={"width": width, "height": height}, **options)
     found = Opened(context.new_page())

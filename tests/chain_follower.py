@@ -55,7 +55,14 @@ def random_path(rng, pieces=8, tightest=0.5, straight=(4, 8)):
             side, sweep = rng.choice([-1, 1]), rng.uniform(0.3, 3.5)
             centre = here + side * 1j * radius * ahead
             begin = heading - side * np.pi / 2
-            path.append(Arc(centre=(centre.real, centre.imag), radius=radius, begin_angle=begin, sweep=side * sweep))
+            path.append(
+                Arc(
+                    centre=(centre.real, centre.imag),
+                    radius=radius,
+                    begin_angle=begin,
+                    sweep=side * sweep,
+                )
+            )
             heading += side * sweep
             there = centre - side * 1j * radius * np.exp(1j * heading)
         here = there

@@ -28,7 +28,9 @@ from pymunk_dragon.cli import status
 PHASES = set(hypothesis.Phase) - {hypothesis.Phase.explain}
 hypothesis.settings.register_profile("explore", deadline=None, print_blob=True)
 hypothesis.settings.register_profile("house", deadline=None, derandomize=True, phases=PHASES)
-hypothesis.settings.register_profile("quick", deadline=None, derandomize=True, phases=PHASES, max_examples=15)
+hypothesis.settings.register_profile(
+    "quick", deadline=None, derandomize=True, phases=PHASES, max_examples=15
+)
 hypothesis.settings.load_profile("house")
 
 # A shell that starts the tests in the background has them ignore Ctrl-C, and with them every program that they start.
@@ -36,12 +38,15 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # Coverage measures child processes too, writes a file in each, and locks what its tracer shares.
 not_under_coverage = pytest.mark.skipif(
-    "COVERAGE_PROCESS_CONFIG" in os.environ, reason="coverage writes files and takes locks of its own"
+    "COVERAGE_PROCESS_CONFIG" in os.environ,
+    reason="coverage writes files and takes locks of its own",
 )
 # What needs Linux: devices such as /dev/full, process groups, limits of the shell, GNU make.
 linux_only = pytest.mark.skipif(sys.platform != "linux", reason="needs devices or signals of Linux")
 collect_ignore = (
-    [] if sys.platform == "linux" else ["fuzz", "test_documentation.py", "test_faults.py", "test_sweeps.py"]
+    []
+    if sys.platform == "linux"
+    else ["fuzz", "test_documentation.py", "test_faults.py", "test_sweeps.py"]
 )
 DATA = Path(__file__).parent / "data"
 # s: only a program that does not end reaches this.
@@ -86,7 +91,9 @@ def golden(request):
         with Image.open(path) as expected:
             assert (image.mode, image.size) == (expected.mode, expected.size)
             found = share_off(image, expected)
-        assert found <= share, f"{found:.2%} of the pixels are not those of {path}; see pytest --regenerate-golden"
+        assert found <= share, (
+            f"{found:.2%} of the pixels are not those of {path}; see pytest --regenerate-golden"
+        )
 
     return compare
 
@@ -175,7 +182,21 @@ def terminal():
 
 
 # What no length, speed or count can be, whatever its range.
-NO_NUMBERS = [float("nan"), float("inf"), float("-inf"), 0, -1, 10**400, "1", "", True, None, 1 + 0j, [1.0], np.eye(30)]
+NO_NUMBERS = [
+    float("nan"),
+    float("inf"),
+    float("-inf"),
+    0,
+    -1,
+    10**400,
+    "1",
+    "",
+    True,
+    None,
+    1 + 0j,
+    [1.0],
+    np.eye(30),
+]
 
 
 # Three names or more in a message, as of curves or endings: the list grows with each new one.

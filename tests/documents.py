@@ -23,7 +23,11 @@ class Document:
 
     def blocks(self, language: str) -> list[str]:
         """The blocks of code of a language."""
-        return [text for found, text in re.findall(r"```(\w+)\n(.*?)```", self.text, re.DOTALL) if found == language]
+        return [
+            text
+            for found, text in re.findall(r"```(\w+)\n(.*?)```", self.text, re.DOTALL)
+            if found == language
+        ]
 
     @property
     def snippets(self) -> list[tuple[str, str]]:
@@ -52,12 +56,21 @@ class Document:
         return {text.splitlines()[0].removeprefix("# "): text for text in self.blocks("toml")}
 
 
-README, CHINESE = (Document(name, (ROOT / name).read_text(encoding="utf-8")) for name in ("README.md", "README.zh.md"))
+README, CHINESE = (
+    Document(name, (ROOT / name).read_text(encoding="utf-8"))
+    for name in ("README.md", "README.zh.md")
+)
 GUIDES = {
     name: Document(
-        name, (ROOT / f"renders/guides/{name}.md").read_text(encoding="utf-8").replace("](../", "](renders/")
+        name,
+        (ROOT / f"renders/guides/{name}.md")
+        .read_text(encoding="utf-8")
+        .replace("](../", "](renders/"),
     )
     for name in NAMES
 }
-MODULE_TEXTS = [Document(name, import_module(name).__doc__ or "") for name in map("pymunk_dragon.{}".format, MODULES)]
+MODULE_TEXTS = [
+    Document(name, import_module(name).__doc__ or "")
+    for name in map("pymunk_dragon.{}".format, MODULES)
+]
 DOCUMENTS = [README, CHINESE, *GUIDES.values(), *MODULE_TEXTS]

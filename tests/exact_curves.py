@@ -40,7 +40,10 @@ def spiral(pitch, rotation=0, outward=False):
 
     def at(s):
         length = s if outward else -s
-        theta = mp.findroot(lambda theta: arc_length(theta, pitch) - length, mp.sqrt(2 * length / k) + mp.mpf("1e-9"))
+        theta = mp.findroot(
+            lambda theta: arc_length(theta, pitch) - length,
+            mp.sqrt(2 * length / k) + mp.mpf("1e-9"),
+        )
         return _of_parameter(lambda p: k * p * mp.expj(p + rotation), theta, 1 if outward else -1)
 
     return at
@@ -53,7 +56,9 @@ def _numbers(point, direction, curvature):
 def _of_parameter(path, p, side=1):
     """The five numbers at parameter p of a path in the complex plane, travelled forward (side 1) or back (-1)."""
     first, second = mp.diff(path, p), mp.diff(path, p, 2)
-    return _numbers(path(p), side * first / abs(first), side * (mp.conj(first) * second).imag / abs(first) ** 3)
+    return _numbers(
+        path(p), side * first / abs(first), side * (mp.conj(first) * second).imag / abs(first) ** 3
+    )
 
 
 def s_turn(pitch, radius, ratio):
@@ -146,7 +151,9 @@ def _walked(truth, begin, chord, step):
             last = low
             if away(last) < chord:
                 return None
-    return mp.findroot(lambda place: away(place) - chord, (first, last), solver="anderson", tol=1e-84, verify=False)
+    return mp.findroot(
+        lambda place: away(place) - chord, (first, last), solver="anderson", tol=1e-84, verify=False
+    )
 
 
 def spline(points):
@@ -189,5 +196,8 @@ def worst_errors(curve, truth, places):
             exact = truth(mp.mpf(float(place)))
             found = [*curve.point(place), *curve.tangent(place), curve.curvature(place)]
             misses = [abs(float(mp.mpf(float(a)) - b)) for a, b in zip(found, exact, strict=True)]
-            off = [max(a, b) for a, b in zip(off, (max(misses[:2]), max(misses[2:4]), misses[4]), strict=True)]
+            off = [
+                max(a, b)
+                for a, b in zip(off, (max(misses[:2]), max(misses[2:4]), misses[4]), strict=True)
+            ]
         return off

@@ -19,4 +19,6 @@ def played(name: str) -> Recording:
 
 def numbers(text: str) -> list[float]:
     """All numbers in a text, in the order in which they stand there."""
-    return [float(found) for found in re.findall(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e-?\d+)?(?![\w])", text)]
+    return [
+        float(found) for found in re.findall(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e-?\d+)?(?![\w])", text)
+    ]

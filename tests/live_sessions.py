@@ -99,7 +99,9 @@ class Played:
     def frame(self):
         """What a client would be shown now."""
         found = []
-        self.session.call(lambda: found.append(self.scene.frame({"generation": self.session.generation})))
+        self.session.call(
+            lambda: found.append(self.scene.frame({"generation": self.session.generation}))
+        )
         self.settle()
         return decoded(found[0])
 
@@ -193,7 +195,11 @@ class SocketClient:
     async def told(self, kind: str, **values: object):
         """The next text of a kind with these values."""
         return await self.get(
-            lambda found: isinstance(found, dict) and found["kind"] == kind and values.items() <= found.items()
+            lambda found: (
+                isinstance(found, dict)
+                and found["kind"] == kind
+                and values.items() <= found.items()
+            )
         )
 
     async def shown(self, wanted: Callable[[SimpleNamespace], bool] = lambda frame: True):

@@ -10,7 +10,12 @@ from pymunk_dragon import Arc, Composite, Dragon, Line, March, Sampled, SpeedTab
 U_TURN = March(Dragon(benches=30), UTurn())
 # A tractor with three trailers on a road that crosses itself, faster and slower.
 TRACTOR = March(
-    Dragon(head_spacing=2.6, body_spacing=[4.5, 3.0, 6.0], overhang=[0.6, 0.5, 0.4, 0.7], width=[1.8, 2.2, 1.6, 2.4]),
+    Dragon(
+        head_spacing=2.6,
+        body_spacing=[4.5, 3.0, 6.0],
+        overhang=[0.6, 0.5, 0.4, 0.7],
+        width=[1.8, 2.2, 1.6, 2.4],
+    ),
     Composite(
         [
             Line(start=(-30, 0), stop=(0, 0)),
@@ -47,6 +52,18 @@ def bent(length, radius, sweep, onward):
 HAIRPIN = bent(10, 0.6, np.pi, 10)
 # Points of a loop that a hand may have drawn.
 DRAWN = Sampled(
-    [(-12, 0), (-8, 0.3), (-4, -0.2), (0, 0), (3, 1), (4, 4), (1.5, 6), (-1, 4), (-1.5, 1), (-1, -3), (1, -7)]
+    [
+        (-12, 0),
+        (-8, 0.3),
+        (-4, -0.2),
+        (0, 0),
+        (3, 1),
+        (4, 4),
+        (1.5, 6),
+        (-1, 4),
+        (-1.5, 1),
+        (-1, -3),
+        (1, -7),
+    ]
 )
 TABLE = SpeedTable([0, 4, 9], [0.5, 2, 1])

@@ -26,7 +26,9 @@ def head_angle(time, pitch, turns, speed):
     if left < 0:
         raise UnplaceableError(0)
     ends = (0, 1.01 * mp.sqrt(4 * mp.pi * left / pitch + mp.mpf("1e-40")))
-    return mp.findroot(lambda p: arc_length(p, pitch) - left, ends, solver="anderson", tol=1e-80, verify=False)
+    return mp.findroot(
+        lambda p: arc_length(p, pitch) - left, ends, solver="anderson", tol=1e-80, verify=False
+    )
 
 
 def angles(time, *, spacings, pitch, turns, speed):
@@ -38,7 +40,12 @@ def solve(time, *, benches, head_spacing, body_spacing, pitch, turns, speed, dif
     """Positions and velocities of all handles, as lists of pairs of mpf; no velocities without `difference`."""
     with mp.workdps(DIGITS):
         spacings = [exact(head_spacing)] + [exact(body_spacing)] * (benches - 1)
-        given = {"spacings": spacings, "pitch": exact(pitch), "turns": exact(turns), "speed": exact(speed)}
+        given = {
+            "spacings": spacings,
+            "pitch": exact(pitch),
+            "turns": exact(turns),
+            "speed": exact(speed),
+        }
         t = exact(time)
         positions = [spiral_point(theta, given["pitch"]) for theta in angles(t, **given)]
         if not difference:
@@ -58,14 +65,23 @@ def gap(time, pair, sizes):
     `sizes` are width, overhang, head_spacing, body_spacing and pitch; the march starts on turn 16 at 1 m/s.
     """
     spacings = [sizes["head_spacing"]] + [sizes["body_spacing"]] * pair[1]
-    turned = angles(time, spacings=spacings, pitch=sizes["pitch"], turns=mp.mpf(16), speed=mp.mpf(1))
+    turned = angles(
+        time, spacings=spacings, pitch=sizes["pitch"], turns=mp.mpf(16), speed=mp.mpf(1)
+    )
     holes = [mp.mpc(*spiral_point(angle, sizes["pitch"])) for angle in turned]
     corners, axes = [], []
     for bench in pair:
         front, rear = holes[bench], holes[bench + 1]
         along = (front - rear) / abs(front - rear)
         ahead, aside = along * sizes["overhang"], 1j * along * sizes["width"] / 2
-        corners.append([front + ahead + aside, front + ahead - aside, rear - ahead + aside, rear - ahead - aside])
+        corners.append(
+            [
+                front + ahead + aside,
+                front + ahead - aside,
+                rear - ahead + aside,
+                rear - ahead - aside,
+            ]
+        )
         axes += [along, 1j * along, -along, -1j * along]
     shadows = [[[mp.re(z * mp.conj(axis)) for z in each] for each in corners] for axis in axes]
     return max(min(second) - max(first) for first, second in shadows)
@@ -90,4 +106,6 @@ def grazing(pair, time, sizes):
 def touching(pair, time, sizes):
     """Time at which two benches come to touch, by the secant method from one close to it."""
     with mp.workdps(DIGITS):
-        return mp.findroot(lambda t: gap(t, pair, sizes), (mp.mpf(time), mp.mpf(time) + mp.mpf("1e-6")), tol=1e-60)
+        return mp.findroot(
+            lambda t: gap(t, pair, sizes), (mp.mpf(time), mp.mpf(time) + mp.mpf("1e-6")), tol=1e-60
+        )

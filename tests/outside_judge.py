@@ -21,22 +21,39 @@ def cleared_by_ipc_toolkit(march, start, until):
     def corners(times):
         return march.dragon.outlines(march.at(times).poses).reshape(-1, 4 * march.dragon.benches, 2)
 
-    before, now, after = (corners(np.linspace(start, until, 2001) + k * DIFFERENCE) for k in (-1, 0, 1))
+    before, now, after = (
+        corners(np.linspace(start, until, 2001) + k * DIFFERENCE) for k in (-1, 0, 1)
+    )
     bound = SAFETY * np.linalg.norm(before - 2 * now + after, axis=-1).max() / DIFFERENCE**2
     time, step, here = start, LONGEST, np.asfortranarray(now[0])
     edges = [(k, 4 * (k // 4) + (k + 1) % 4) for k in range(len(here))]
     mesh = ipctk.CollisionMesh(here, np.array(edges, dtype=np.int32, order="F"))
-    near = {(i, j): False for i in range(len(here)) for j in range(i + 1, min(4 * (i // 4) + 8, len(here)))}
+    near = {
+        (i, j): False
+        for i in range(len(here))
+        for j in range(i + 1, min(4 * (i // 4) + 8, len(here)))
+    }
     mesh.can_collide = ipctk.make_sparse_filter(near, default_value=True)
     ipctk.set_logger_level(ipctk.error)  # It warns of each step that is not clear.
     assert not ipctk.has_intersections(mesh, here)
     while step > SHORTEST and time < until:
-        there, method = np.asfortranarray(corners([time + step])[0]), ipctk.TightInclusionCCD(tolerance=TOLERANCE)
-        if ipctk.is_step_collision_free(mesh, here, there, bound * step**2 / 4, narrow_phase_ccd=method):
+        there, method = (
+            np.asfortranarray(corners([time + step])[0]),
+            ipctk.TightInclusionCCD(tolerance=TOLERANCE),
+        )
+        if ipctk.is_step_collision_free(
+            mesh, here, there, bound * step**2 / 4, narrow_phase_ccd=method
+        ):
             time, here, step = time + step, there, min(2 * step, LONGEST)
         else:
             step /= 2
     found = ipctk.Candidates()
     found.build(mesh, here, 1e-6)
-    closest = min(found.ev_candidates, key=lambda each: each.compute_distance(each.dof(here, mesh.edges, mesh.faces)))
-    return time, (min(closest.vertex_id, closest.edge_id) // 4, max(closest.vertex_id, closest.edge_id) // 4)
+    closest = min(
+        found.ev_candidates,
+        key=lambda each: each.compute_distance(each.dof(here, mesh.edges, mesh.faces)),
+    )
+    return time, (
+        min(closest.vertex_id, closest.edge_id) // 4,
+        max(closest.vertex_id, closest.edge_id) // 4,
+    )

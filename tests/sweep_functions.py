@@ -40,7 +40,19 @@ class UnpicklableError(BaseException):
         super().__init__(f"{first} and {second}")
 
 
-VALUES = [7, 0.1, -0.0, float("-inf"), 'a,"b"', "龙\n\ud800", np.int64(3), np.float32(1.5), np.bool_(True), 2**62, None]
+VALUES = [
+    7,
+    0.1,
+    -0.0,
+    float("-inf"),
+    'a,"b"',
+    "龙\n\ud800",
+    np.int64(3),
+    np.float32(1.5),
+    np.bool_(True),
+    2**62,
+    None,
+]
 # What no cell or no column can hold, or what is no result.
 UNFIT = [
     *({"v": value} for value in (Fraction(1, 2), [1.0], np.ones(1), 1j, 2**63, 10**5000)),

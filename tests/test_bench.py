@@ -30,7 +30,11 @@ def test_benchmark_runs_at_a_small_size(script, name):
 
 
 def test_texts_name_only_benchmarks_that_exist():
-    named = {match for each in DOCUMENTS for match in re.findall(r"tests/bench/(\w+\.py)([a-z -]*)", each.text)}
+    named = {
+        match
+        for each in DOCUMENTS
+        for match in re.findall(r"tests/bench/(\w+\.py)([a-z -]*)", each.text)
+    }
     assert len(named) > 5
     for script, names in named:
         assert NAMES[script].keys() >= {*names.split()}

@@ -50,7 +50,9 @@ BENCH = Dragon(benches=2, head_spacing=3.0, body_spacing=0.5, overhang=0.05, wid
 
 def followed(march, heads, tolerance=1e-9):
     """States of a march, which are those of small steps as far as these go, and where small steps end."""
-    states, end = follow(march.curve, march.motion_or_nan(0.0).handles_s[0], heads, march.dragon.spacings)
+    states, end = follow(
+        march.curve, march.motion_or_nan(0.0).handles_s[0], heads, march.dragon.spacings
+    )
     ours = march.motion_or_nan(heads - march.head_start).handles_s
     assert len(states) > 10
     assert ours[: len(states)] == pytest.approx(states, abs=tolerance)
@@ -61,12 +63,15 @@ def followed(march, heads, tolerance=1e-9):
 
 
 @pytest.mark.parametrize(
-    ("pitch", "ratio"), [(1.7, 3.0), *(pytest.param(1.7, ratio, marks=pytest.mark.thorough) for ratio in (2.5, 1 / 3))]
+    ("pitch", "ratio"),
+    [(1.7, 3.0), *(pytest.param(1.7, ratio, marks=pytest.mark.thorough) for ratio in (2.5, 1 / 3))],
 )
 def test_a_head_bench_longer_than_the_turn_is_wide_jackknifes_and_goes_on(pitch, ratio):
     march = March(Dragon(benches=2), UTurn(pitch=pitch, ratio=ratio))
     heads = np.arange(1.0, 19.0)
-    states, end = follow(march.curve, march.motion_or_nan(0.0).handles_s[0], heads, march.dragon.spacings, step=0.02)
+    states, end = follow(
+        march.curve, march.motion_or_nan(0.0).handles_s[0], heads, march.dragon.spacings, step=0.02
+    )
     assert end == np.inf
     assert np.abs(march.motion_or_nan(heads).handles_s - states).max() < 1e-10
     assert np.any(np.diff(states[:, 1]) < 0)
@@ -78,11 +83,15 @@ def test_handle_is_pushed_back_and_motion_ends_for_good_where_the_closed_form_ha
     march = March(BENCH, HOOK, start_s=4.0)
     # On two parallel lines 2 m apart the bench keeps its direction.
     heads = np.linspace(TOP + 1e-9, TOP + 2, 9)
-    assert march.motion_or_nan(heads - 4).handles_s[:, 1] == pytest.approx(TOP - heads - math.sqrt(5) + 10, abs=1e-11)
+    assert march.motion_or_nan(heads - 4).handles_s[:, 1] == pytest.approx(
+        TOP - heads - math.sqrt(5) + 10, abs=1e-11
+    )
     # With the head h above the first line, its rear handle is sqrt(9 - h^2) behind it there.
     heights = np.linspace(2.5, 3 - 1e-9, 12)
     rear = -2.5 - np.sqrt(9 - heights**2) + 10
-    assert march.motion_or_nan(RISE + heights - 2.5 - 4).handles_s[:, 1] == pytest.approx(rear, abs=1e-8)
+    assert march.motion_or_nan(RISE + heights - 2.5 - 4).handles_s[:, 1] == pytest.approx(
+        rear, abs=1e-8
+    )
     fold = RISE + 0.5 - 4
     march.at(fold - 1e-10)
     for late in (1e-10, 1e-3, 0.5, march.end - fold):
@@ -100,7 +109,9 @@ def test_a_handle_pushed_past_the_begin_of_the_curve_and_drawn_on_again_is_lost(
     assert end < RISE - 5.4
 
 
-@pytest.mark.parametrize("seed", [39, *(pytest.param(seed, marks=pytest.mark.thorough) for seed in (5, 9))])
+@pytest.mark.parametrize(
+    "seed", [39, *(pytest.param(seed, marks=pytest.mark.thorough) for seed in (5, 9))]
+)
 def test_random_paths_are_followed_to_where_small_steps_end(seed):
     rng = np.random.default_rng(seed)
     path = random_path(rng)
@@ -117,7 +128,10 @@ def test_the_way_back_in_time_is_followed_as_well():
 
 def test_states_do_not_depend_on_the_order_of_questions():
     curve, times = UTurn(ratio=3.0), np.array([1.0, 30.0, 12.0, -5.0, 14.5])
-    marches = [March(dragon, curve) for dragon in (Dragon(benches=20), Dragon(benches=20, body_spacing=1.5))]
+    marches = [
+        March(dragon, curve)
+        for dragon in (Dragon(benches=20), Dragon(benches=20, body_spacing=1.5))
+    ]
     for march in (*marches, marches[0].at_unit_speed()):
         for time in times[::-1]:
             march.motion_or_nan(time)
@@ -126,7 +140,9 @@ def test_states_do_not_depend_on_the_order_of_questions():
         for same in (march, pickle.loads(pickle.dumps(alone))):
             assert np.array_equal(same.motion_or_nan(times).handles_s, expected)
         first, second = expected[:1], expected[1:2]
-        assert np.array_equal(march.continuation.ranges(first, second), alone.continuation.ranges(first, second))
+        assert np.array_equal(
+            march.continuation.ranges(first, second), alone.continuation.ranges(first, second)
+        )
 
 
 MOVING = [
@@ -135,7 +151,10 @@ MOVING = [
     March(Dragon(benches=4), DRAWN, start_s=20.0),
     March(Dragon(benches=3, head_spacing=2.0, body_spacing=1.0), Spiral(pitch=2.5), turns=2),
     March(BENCH, HOOK, start_s=RISE + 2),
-    March(Dragon(benches=3, head_spacing=0.5, body_spacing=0.3, overhang=0.05, width=0.1), LogarithmicSpiral()),
+    March(
+        Dragon(benches=3, head_spacing=0.5, body_spacing=0.3, overhang=0.05, width=0.1),
+        LogarithmicSpiral(),
+    ),
 ]
 # Coordinates, certificates and runs, at times around the start at which benches may be pushed back.
 CALLS = {
@@ -153,11 +172,19 @@ CALLS = {
 def plain(function, march, **options):
     """Values of a result that are equal if all their digits are."""
     found = function(march, **options)
-    return [found.times, found.poses, found.drift] if isinstance(found, Run) else [repr(found.to_dict())]
+    return (
+        [found.times, found.poses, found.drift]
+        if isinstance(found, Run)
+        else [repr(found.to_dict())]
+    )
 
 
 @examples(30)
-@given(st.sampled_from(MOVING), st.sampled_from(sorted(CALLS)), st.lists(st.sampled_from(sorted(CALLS)), max_size=4))
+@given(
+    st.sampled_from(MOVING),
+    st.sampled_from(sorted(CALLS)),
+    st.lists(st.sampled_from(sorted(CALLS)), max_size=4),
+)
 def test_no_digit_depends_on_earlier_calls(march, name, earlier):
     fresh, used = (March(march.dragon, march.curve, start_s=march.head_start) for _ in range(2))
     for call in earlier:
@@ -203,20 +230,26 @@ STEP = 2e-5
 
 
 FOUR = Dragon(body_spacing=SPACINGS[1:])
-MARCHES = {name: (March(FOUR, curve, start_s=head), [0.0]) for name, (curve, head) in CURVES.items()}
+MARCHES = {
+    name: (March(FOUR, curve, start_s=head), [0.0]) for name, (curve, head) in CURVES.items()
+}
 MARCHES["the paper's"] = March(), [0, 100, 300, 412]
 # Handles go back.
 MARCHES["jackknife"] = March(Dragon(benches=4), UTurn(ratio=3.0)), range(10, 20)
 # Between entries of the table of speeds.
 WAVE = SpeedTable.of(lambda t: 1 + 0.5 * np.sin(t), -5, 5)
-MARCHES["changing speed"] = March(Dragon(benches=4), UTurn(), speed=WAVE), [-2.003, 0.502, 2.503, 4.003]
+MARCHES["changing speed"] = (
+    March(Dragon(benches=4), UTurn(), speed=WAVE),
+    [-2.003, 0.502, 2.503, 4.003],
+)
 
 
 @pytest.mark.parametrize(("march", "times"), MARCHES.values(), ids=MARCHES)
 def test_velocities_are_the_rates_of_coordinates_positions_and_poses(march, times):
     now, before, after = (march.at(np.add(times, late)) for late in (0, -STEP, STEP))
     coordinates, positions, poses = (
-        (getattr(after, name) - getattr(before, name)) / (2 * STEP) for name in ("handles_s", "positions", "poses")
+        (getattr(after, name) - getattr(before, name)) / (2 * STEP)
+        for name in ("handles_s", "positions", "poses")
     )
     poses[..., 2] = (poses[..., 2] + np.pi / 2 / STEP) % (np.pi / STEP) - np.pi / 2 / STEP
     assert now.speeds == pytest.approx(np.abs(coordinates), abs=2e-8)
@@ -233,7 +266,9 @@ def test_bounds_hold_for_the_rates_and_their_changes(curve, head):
     ratio, omega = front.real / rear.real, chain.angular_rates(front, rear, SPACINGS)
     curvature = curve.max_curvature(handles_s[:, 1:].min(axis=0), handles_s[:, :-1].max(axis=0))
     sines = np.abs(front.imag).max(axis=0), np.abs(rear.imag).max(axis=0)
-    bounds = chain.rate_bounds(sines, np.abs(ratio).max(axis=0), rear.real.min(axis=0), curvature, SPACINGS)
+    bounds = chain.rate_bounds(
+        sines, np.abs(ratio).max(axis=0), rear.real.min(axis=0), curvature, SPACINGS
+    )
     along = np.diff(handles_s[:, :-1], axis=0)
     for measured, bound in (
         (ratio, bounds.ratio),
@@ -247,10 +282,15 @@ def test_bounds_hold_for_the_rates_and_their_changes(curve, head):
 def test_whole_chains_never_end_on_another_turn(monkeypatch):
     """From an estimate on another turn Newton's method finds other handles at the same distances: they are refused."""
     spiral = Spiral(pitch=0.3)
-    heads, spacings = np.array([spiral.at_turn(turns) for turns in (3, 5, 9)]), np.array([1.65, 1.65])
+    heads, spacings = (
+        np.array([spiral.at_turn(turns) for turns in (3, 5, 9)]),
+        np.array([1.65, 1.65]),
+    )
     expected = spiral.chain(heads, spacings)
     near = spiral._estimate(heads, spiral._parameter(heads), spacings[:, None])
     for back in (0.3, 0.5, 0.99, 1.0, 1.01, 2.0):
         estimate = near - back * 2 * np.pi * np.array([[0], [1], [1]])
-        monkeypatch.setattr(Spiral, "_estimate", lambda self, *arguments, estimate=estimate: estimate.copy())
+        monkeypatch.setattr(
+            Spiral, "_estimate", lambda self, *arguments, estimate=estimate: estimate.copy()
+        )
         np.testing.assert_allclose(spiral.chain(heads, spacings), expected, rtol=0, atol=1e-11)

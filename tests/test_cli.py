@@ -76,7 +76,10 @@ def test_paper_tables_are_the_papers_numbers(answer):
     assert rows(answer("positions", "--paper")) == papers
     # Its third table is that of one moment: a millisecond before or later it has other digits.
     for near in (412.472838, 412.474838):
-        assert [one == other for one, other in zip(rows(paper_tables(March(), near)), papers, strict=True)] == [1, 1, 0]
+        assert [
+            one == other
+            for one, other in zip(rows(paper_tables(March(), near)), papers, strict=True)
+        ] == [1, 1, 0]
 
 
 def test_scenario_comes_from_files_and_flags_win(answer, tmp_path):
@@ -101,8 +104,15 @@ def test_u_turn_has_the_contests_positions(answer):
         radii = [math.hypot(*place) for [place] in found["positions"]]
         assert radii[1] == pytest.approx(4.5, abs=1e-9)
         assert radii[0] > radii[2] > 4.5
-    assert answer("contact", "--curve", "u-turn", "--from", "-100", "--until", "-90", "--json")["status"] == "clear"
-    found = answer("simulate", "--curve", "u-turn", "--benches", "8", "--from", "-2", "--until", "-1", "--json")
+    assert (
+        answer("contact", "--curve", "u-turn", "--from", "-100", "--until", "-90", "--json")[
+            "status"
+        ]
+        == "clear"
+    )
+    found = answer(
+        "simulate", "--curve", "u-turn", "--benches", "8", "--from", "-2", "--until", "-1", "--json"
+    )
     assert (found["start"], found["until"]) == (-2, -1)
 
 
@@ -110,7 +120,11 @@ def test_help_tells_the_true_defaults(answer):
     for name, (kind, _, text) in SCENARIO_OPTIONS.items():
         assert kind(text.split("[")[1].rstrip("]")) == Scenario().values()[name]
     shown = " ".join(answer("positions", "--help").split())
-    for name, curves in {"pitch": ("spiral", "u-turn"), "radius": ("u-turn",), "ratio": ("u-turn",)}.items():
+    for name, curves in {
+        "pitch": ("spiral", "u-turn"),
+        "radius": ("u-turn",),
+        "ratio": ("u-turn",),
+    }.items():
         for curve in curves:
             assert f"[{Scenario(curve=curve).values()[name]:g} of a {curve}]" in shown
 
@@ -120,7 +134,11 @@ def test_help_tells_the_true_defaults(answer):
 
 def test_contact_is_the_same_by_three_methods(answer, tmp_path):
     document = tmp_path / "c.json"
-    for method, tolerance, misses in (("exact", 1e-6, []), ("grid", 1e-6, None), ("engine", 2e-3, None)):
+    for method, tolerance, misses in (
+        ("exact", 1e-6, []),
+        ("grid", 1e-6, None),
+        ("engine", 2e-3, None),
+    ):
         found = answer("contact", *SHORT, "--method", method, "--json", "-o", document)
         assert found == json.loads(document.read_text())
         assert {"status", "time", "benches", "point", "normal", "near_misses"} <= set(found)
@@ -163,10 +181,20 @@ def test_contact_writes_the_contests_sheet(answer, call, tmp_path):
 
 def test_simulated_run_is_told_saved_and_filmed(answer, here):
     found = answer("simulate", *SHORT, "--json", "-o", "run.npz")
-    assert set(found["first_contact"]) == {"time", "raw_time", "benches", "point", "normal", "depth"}
+    assert set(found["first_contact"]) == {
+        "time",
+        "raw_time",
+        "benches",
+        "point",
+        "normal",
+        "depth",
+    }
     assert found["first_contact"]["benches"] == [0, 8]
     assert set(found["drift"]) == {"head", "max"}
-    assert all(found[key] > 0 for key in ("iterations", "wall_seconds", "realtime_factor", "driver_overhead"))
+    assert all(
+        found[key] > 0
+        for key in ("iterations", "wall_seconds", "realtime_factor", "driver_overhead")
+    )
     assert found["substeps"] == 9
     assert Run.load("run.npz").first_contact.benches == (0, 8)
     # A file without a name has that of the run.
@@ -183,23 +211,39 @@ def test_contacts_of_a_simulation_are_reported_or_resolved(answer, here):
     assert Run.load("run.npz").settings.head_force == 300
     given = ["--substep", "0.01", "--iterations", "60"]
     found = answer("simulate", "--benches", "9", "--until", "0.2", *given, "--json")
-    assert [found[key] for key in ("first_contact", "status", "substep", "iterations")] == [None, "clear", 0.01, 60]
-    assert "benches 27 and 49 overlap at the start" in answer("simulate", "--benches", "60", "--pitch", "0.32")
+    assert [found[key] for key in ("first_contact", "status", "substep", "iterations")] == [
+        None,
+        "clear",
+        0.01,
+        60,
+    ]
+    assert "benches 27 and 49 overlap at the start" in answer(
+        "simulate", "--benches", "60", "--pitch", "0.32"
+    )
 
 
 # render, report, figure
 
 
 def test_render_and_report_take_the_format_from_the_ending(answer, here):
-    for ending, expected in {"gif": b"GIF89a", "webp": b"RIFF", "png": b"\x89PNG\r\n\x1a\n"}.items():
+    for ending, expected in {
+        "gif": b"GIF89a",
+        "webp": b"RIFF",
+        "png": b"\x89PNG\r\n\x1a\n",
+    }.items():
         path = Path(f"film.{ending}")
         options = ["--size", "120"] + ["--fps", "10", "--speedup", "10"] * (ending != "png")
-        assert answer("render", "--until", "2", *options, "-o", path, "--json")["bytes"] == path.stat().st_size
+        assert (
+            answer("render", "--until", "2", *options, "-o", path, "--json")["bytes"]
+            == path.stat().st_size
+        )
         assert path.read_bytes().startswith(expected), ending
     Run.exact(March(Dragon(benches=16), turns=8), [79, 82]).save("run.npz")
     assert answer("render", "run.npz", "-o", "page.html") == answer("report", "run.npz") == ""
     assert Path("page.html").read_bytes().startswith(b"<!doctype html>")
-    assert "Benches 0 and 8 touch at 80.691318 s</h1>" in Path("run.html").read_text(encoding="utf-8")
+    assert "Benches 0 and 8 touch at 80.691318 s</h1>" in Path("run.html").read_text(
+        encoding="utf-8"
+    )
     assert answer("report", "run.npz", "-o", "r.json", "--json")["output"] == "r.json"
     assert json.loads(Path("r.json").read_text())["first_contact"]["benches"] == [0, 8]
 
@@ -214,7 +258,19 @@ def test_size_of_a_film_that_is_not_the_one_given_is_said(call, here):
 
 
 def test_film_that_loses_a_row_by_the_height_of_its_texts_says_its_size(call, here):
-    small = ["render", "--benches", "5", "--until", "1", "--fps", "2", "--speedup", "1", "--size", "120x76"]
+    small = [
+        "render",
+        "--benches",
+        "5",
+        "--until",
+        "1",
+        "--fps",
+        "2",
+        "--speedup",
+        "1",
+        "--size",
+        "120x76",
+    ]
     losses = set()
     for texts in ([], ["--title", "T"], ["--caption", "C"], ["--title", "T", "--caption", "C"]):
         _, _, err = call(*small, *texts, "-o", "f.mp4")
@@ -239,14 +295,18 @@ def test_render_sets_runs_side_by_side_with_their_marks_and_words(answer, small_
     size, plain = drawn(run)
     assert size == (120, 120)
     assert drawn(run, run)[0][0] == 2 * 120 + 2
-    (width, height), _ = drawn(run, "--exact", "--title", "Both", "--caption", "The engine and the exact model.")
+    (width, height), _ = drawn(
+        run, "--exact", "--title", "Both", "--caption", "The engine and the exact model."
+    )
     assert width == 2 * 120 + 2
     assert height > 120 + 60
     pictures = {plain}
     for flags in (["--velocities"], ["--impulses"], ["--grid"], ["--velocities", "--grid"]):
         pictures.add(drawn(run, *flags, "--camera", "head")[1])
     assert len(pictures) == 5
-    assert drawn(run, "--size", "320", "--no-legend")[0] != drawn(run, "--size", "320", "--legend")[0]
+    assert (
+        drawn(run, "--size", "320", "--no-legend")[0] != drawn(run, "--size", "320", "--legend")[0]
+    )
 
 
 @pytest.mark.thorough
@@ -272,7 +332,9 @@ def test_figure_has_a_name_and_the_language_of_a_flag_or_the_environment(answer,
     answer("figure", "inward", "--lang", "zh", "-o", "flag.png")
     monkeypatch.setenv("PYMUNK_DRAGON_LANG", "zh")
     answer("figure", "inward", "-o", "environment.png")
-    english, flag, environment = (Path(f"{name}.png").read_bytes() for name in ("inward", "flag", "environment"))
+    english, flag, environment = (
+        Path(f"{name}.png").read_bytes() for name in ("inward", "flag", "environment")
+    )
     assert flag == environment != english
 
 
@@ -282,7 +344,17 @@ def test_pdf_has_the_same_bytes_in_each_process(tmp_path):
         contents = set()
         for seed in ("1", "2"):
             file = tmp_path / f"{seed}.pdf"
-            command = [sys.executable, "-m", "pymunk_dragon", "figure", "speeds", "--lang", lang, "-o", str(file)]
+            command = [
+                sys.executable,
+                "-m",
+                "pymunk_dragon",
+                "figure",
+                "speeds",
+                "--lang",
+                lang,
+                "-o",
+                str(file),
+            ]
             subprocess.run(command, check=True, env=os.environ | {"PYTHONHASHSEED": seed})
             contents.add(file.read_bytes())
         [content] = contents

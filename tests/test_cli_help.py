@@ -47,7 +47,9 @@ def test_help_fits_80_columns_and_has_examples_that_the_command_takes(call, monk
         if each not in ("", "report", "demo"):
             # The command's own options stand before those of the dragon.
             flags = [f"  --{name.replace('_', '-')} " for name in options.SCENARIO_OPTIONS]
-            assert out.index(flags[0]) > max(out.index("  --scenario "), out.find("  --from "), out.find("  --json "))
+            assert out.index(flags[0]) > max(
+                out.index("  --scenario "), out.find("  --from "), out.find("  --json ")
+            )
             assert all(flag in out for flag in flags)
             assert COMMANDS[each] in " ".join(out.split())
     listed = call("--help")[1].partition("Commands:\n")[2].partition("\n\n")[0].splitlines()
@@ -92,12 +94,16 @@ def test_terminal_says_which_file_was_written(terminal, here):
         assert re.search(rf"^wrote {re.escape(name)}$", said, re.MULTILINE), said
         assert Path(name).stat().st_size
     # Of a device it says nothing.
-    assert "wrote" not in terminal("simulate", "--until", "0.1", "--benches", "9", "-o", "/dev/null")
+    assert "wrote" not in terminal(
+        "simulate", "--until", "0.1", "--benches", "9", "-o", "/dev/null"
+    )
 
 
 def completed(line):
     *arguments, incomplete = line.split(" ")
-    return ShellComplete(cli, {}, PROGRAM, "_PYMUNK_DRAGON_COMPLETE").get_completions(arguments, incomplete)
+    return ShellComplete(cli, {}, PROGRAM, "_PYMUNK_DRAGON_COMPLETE").get_completions(
+        arguments, incomplete
+    )
 
 
 def test_shell_completes_names_flags_and_files():
@@ -113,7 +119,9 @@ def test_shell_completes_names_flags_and_files():
         "simulate --contacts re": ["report", "resolve"],
     }.items():
         values = [item.value for item in completed(line)]
-        assert [value for value in values if value in found] == found, line  # Registries may have more names.
+        assert [value for value in values if value in found] == found, (
+            line
+        )  # Registries may have more names.
     for line in ("report ru", "render a.npz b", "contact -o t", "positions --scenario d"):
         [item] = completed(line)
         assert (item.type, item.value) == ("file", line.split(" ")[-1])
@@ -123,7 +131,9 @@ def test_shell_completes_names_flags_and_files():
 def test_program_answers_the_shell():
     def answered(shell, **variables):
         environment = os.environ | {"_PYMUNK_DRAGON_COMPLETE": shell} | variables
-        told = subprocess.run([sys.executable, "-m", "pymunk_dragon"], env=environment, capture_output=True, text=True)
+        told = subprocess.run(
+            [sys.executable, "-m", "pymunk_dragon"], env=environment, capture_output=True, text=True
+        )
         assert (told.returncode, told.stderr) == (0, "")
         return told.stdout
 
@@ -137,7 +147,11 @@ def test_program_answers_the_shell():
 
 # Command lines, and words that the message has: the value or name, and what is allowed or was meant.
 ONE = "sweep --axis pitch=0.5"
-SCENARIOS = {"pich.toml": "pich = 0.6\n", "small.toml": "benches = -1\n", "turn.toml": "curve = 'u-turn'\n"}
+SCENARIOS = {
+    "pich.toml": "pich = 0.6\n",
+    "small.toml": "benches = -1\n",
+    "turn.toml": "curve = 'u-turn'\n",
+}
 BAD_INPUT = {
     "positions --pitch 0.25": "pitch 0.25 width",
     "positions --ratio 1": "--ratio u-turn",
@@ -226,7 +240,12 @@ def test_bad_input_is_named_in_one_line_and_nothing_is_written(complaint, here, 
 
 def test_output_that_cannot_be_written_is_refused_before_the_work(complaint, here, monkeypatch):
     monkeypatch.setattr(March, "at", None)  # Any work would fail on it.
-    for name, ending in (("positions", "csv"), ("contact", "json"), ("simulate", "npz"), ("render", "gif")):
+    for name, ending in (
+        ("positions", "csv"),
+        ("contact", "json"),
+        ("simulate", "npz"),
+        ("render", "gif"),
+    ):
         assert "nowhere" in complaint(name, "-o", f"nowhere/x.{ending}")
         assert ".docx" in complaint(name, "-o", "x.docx")
         Path(f"folder.{ending}").mkdir()

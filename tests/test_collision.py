@@ -60,12 +60,20 @@ def pairs_of_all_kinds(count):
         second.append(two)
 
     # Of very different sizes and shapes; the contest's benches; both moved until they nearly touch.
-    add(scattered(rng, 400_000 // part, 5, sizes, sizes), scattered(rng, 400_000 // part, 5, sizes, sizes))
-    add(scattered(rng, 200_000 // part, 2, benches, [0.3]), scattered(rng, 200_000 // part, 2, benches, [0.3]))
+    add(
+        scattered(rng, 400_000 // part, 5, sizes, sizes),
+        scattered(rng, 400_000 // part, 5, sizes, sizes),
+    )
+    add(
+        scattered(rng, 200_000 // part, 2, benches, [0.3]),
+        scattered(rng, 200_000 // part, 2, benches, [0.3]),
+    )
     for one, two in list(zip(first, second, strict=True)):
         one, two = one[: 75_000 // part], two[: 75_000 // part]
         found = separation(one, two)
-        near = rng.choice([0, *(sign * 10.0**k for sign in (-1, 1) for k in range(-15, -5))], len(one))
+        near = rng.choice(
+            [0, *(sign * 10.0**k for sign in (-1, 1) for k in range(-15, -5))], len(one)
+        )
         add(one, moved(two, (near - found.distance)[:, None] * found.normal))
     # Parallel, square to each other, and along the axes at whole numbers, where many touch and some are the same.
     n = 50_000 // part
@@ -81,7 +89,10 @@ def pairs_of_all_kinds(count):
     inner = rectangles(x + aside, y + ahead, rng.uniform(-4, 4, n), length / 20, width / 20)
     add(rectangles(x, y, angle, length, width), inner)
     across = angle + np.pi / 2 + rng.uniform(-0.5, 0.5, n)
-    add(rectangles(x, y, angle, 3, width / 50), rectangles(x + aside, y + ahead, across, 3, length / 50))
+    add(
+        rectangles(x, y, angle, 3, width / 50),
+        rectangles(x + aside, y + ahead, across, 3, length / 50),
+    )
     one, two = np.concatenate(first), np.concatenate(second)
     assert len(one) == count
     return one, two
@@ -100,7 +111,9 @@ def test_verdicts_and_distances_are_those_of_shapely(count):
     decided = np.abs(found.distance) > UNDECIDED
     assert decided.mean() > 0.85
     assert 0.2 < (truth > 0).mean() < 0.8
-    assert np.array_equal(found.distance[decided] <= 0, shapely_intersects(first[decided], second[decided]))
+    assert np.array_equal(
+        found.distance[decided] <= 0, shapely_intersects(first[decided], second[decided])
+    )
     assert np.abs(np.maximum(found.distance, 0) - truth).max() < UNDECIDED
 
 
@@ -108,7 +121,12 @@ def test_depth_along_the_normal_parts_two_and_no_shorter_step_in_any_direction_d
     first, second, found = many
     deep = found.distance < -2 * UNDECIDED
     assert deep.mean() > 0.2
-    one, two, depth, normal = first[deep], second[deep], -found.distance[deep][:, None], found.normal[deep]
+    one, two, depth, normal = (
+        first[deep],
+        second[deep],
+        -found.distance[deep][:, None],
+        found.normal[deep],
+    )
     assert not shapely_intersects(one, moved(two, (depth + UNDECIDED) * normal)).any()
     assert shapely_intersects(one, moved(two, (depth - UNDECIDED) * normal)).all()
     some = np.flatnonzero(depth[:, 0] > 1e-6)[::10]
@@ -153,14 +171,24 @@ def test_separations_are_those_found_by_hand():
         assert found.distance == pytest.approx(distance, rel=1e-13, abs=1e-300), name
         assert normal is None or found.normal == pytest.approx(normal, abs=1e-15), name
         assert point is None or found.point == pytest.approx(point, rel=1e-13), name
-    for second in (box(1, 0, 2, 1), box(1, 1, 2, 2), box(-1, -1, 0, 0), box(0.25, 1, 0.5, 3), box(-7, 1, 9, 2)):
+    for second in (
+        box(1, 0, 2, 1),
+        box(1, 1, 2, 2),
+        box(-1, -1, 0, 0),
+        box(0.25, 1, 0.5, 3),
+        box(-7, 1, 9, 2),
+    ):
         assert separation(SQUARE, second).distance == 0
 
 
 def test_leading_shapes_broadcast_and_many_pairs_are_as_one_by_one(many):
     row = np.stack([box(x, 0, x + 1, 1) for x in range(6)]).reshape(2, 3, 4, 2)
     found = separation(SQUARE, row)
-    assert found.distance.tolist() == separation(row, SQUARE).distance.tolist() == [[-1, 0, 1], [2, 3, 4]]
+    assert (
+        found.distance.tolist()
+        == separation(row, SQUARE).distance.tolist()
+        == [[-1, 0, 1], [2, 3, 4]]
+    )
     assert (found.normal.shape, found.point.shape) == ((2, 3, 2), (2, 3, 2))
     assert separation(row[:, :1], row[:1]).distance.tolist() == [[-1, 0, 1], [2, 1, 0]]
     for none in (row[:0], row[0, :0]):
@@ -175,7 +203,17 @@ def test_leading_shapes_broadcast_and_many_pairs_are_as_one_by_one(many):
 
 
 def test_what_are_no_outlines_is_refused_by_name():
-    shapes = [None, "box", 1.0, [], SQUARE[:3], SQUARE.T, [[1, 2], [3]], 1j * SQUARE, [[10**400, 0]] * 4]
+    shapes = [
+        None,
+        "box",
+        1.0,
+        [],
+        SQUARE[:3],
+        SQUARE.T,
+        [[1, 2], [3]],
+        1j * SQUARE,
+        [[10**400, 0]] * 4,
+    ]
     shapes.append([[[-(2**63), 0]] * 4] * 2)
     nowhere = []
     for corner, number in enumerate((np.nan, -np.inf, 1e10, -1e300)):
@@ -236,7 +274,10 @@ def test_walks_and_shared_cells_are_those_found_by_hand():
     within = box(3.4, -2.6, 3.6, -2.4)
     assert UNIT.file([within])[0].tolist() == [[2, 3]]
     pairs = [(within, box(0.5, -6.5, 6.5, -0.5))]
-    pairs += [(SQUARE, other) for other in (box(1, 0, 2, 1), box(0, 1, 1, 2), box(1, 1, 2, 2), box(-1, 1, 0, 2))]
+    pairs += [
+        (SQUARE, other)
+        for other in (box(1, 0, 2, 1), box(0, 1, 1, 2), box(1, 1, 2, 2), box(-1, 1, 0, 2))
+    ]
     for two in pairs:
         assert pairs_with_neighbours(UNIT, two) == {(0, 1)}
 
@@ -244,7 +285,12 @@ def test_walks_and_shared_cells_are_those_found_by_hand():
 def test_paper_grid_starts_at_the_upper_left_and_counts_down_and_right(seed_march):
     grid = Grid.of(seed_march)
     assert grid == Grid() == Grid(cell=0.55, origin=(-8.8, 8.8))
-    for point, cell in (((-8.79, 8.79), [0, 0]), ((-8, 8.79), [0, 1]), ((-8.79, 8), [1, 0]), ((8.79, -8.79), [31, 31])):
+    for point, cell in (
+        ((-8.79, 8.79), [0, 0]),
+        ((-8, 8.79), [0, 1]),
+        ((-8.79, 8), [1, 0]),
+        ((8.79, -8.79), [31, 31]),
+    ):
         assert grid.walk(point, point).tolist() == [cell]
     # The dragon is larger than the paper's frame of 32 cells.
     outlines = seed_march.dragon.outlines(seed_march.at(0).poses[0])
@@ -252,15 +298,23 @@ def test_paper_grid_starts_at_the_upper_left_and_counts_down_and_right(seed_marc
     assert touching_pairs(outlines, 2) <= as_set(grid.pairs(outlines))
     assert len(grid.pairs(outlines)) < 800
     assert (cells.min() < 0, cells.max() > 31) == (True, True)
-    assert Grid.of(March(Dragon(), Spiral(pitch=1.5), turns=10)) == Grid(cell=1.5, origin=(-15.0, 15.0))
+    assert Grid.of(March(Dragon(), Spiral(pitch=1.5), turns=10)) == Grid(
+        cell=1.5, origin=(-15.0, 15.0)
+    )
 
 
 def on_quarters(rng, n, spread, sizes):
     """Outlines (n, 4, 2) at random, a third of them along the axes with corners on quarters of a cell."""
-    x, y, angle = rng.uniform(-spread, spread, n), rng.uniform(-spread, spread, n), rng.uniform(-4, 4, n)
+    x, y, angle = (
+        rng.uniform(-spread, spread, n),
+        rng.uniform(-spread, spread, n),
+        rng.uniform(-4, 4, n),
+    )
     length, width = np.maximum(rng.choice(sizes, (2, n)), 0.25)
     square = rng.random(n) < 1 / 3
-    x, y, length, width = (np.where(square, np.round(4 * value) / 4, value) for value in (x, y, length, width))
+    x, y, length, width = (
+        np.where(square, np.round(4 * value) / 4, value) for value in (x, y, length, width)
+    )
     x, y = (np.where(square, value + side / 2, value) for value, side in ((x, length), (y, width)))
     return rectangles(x, y, np.where(square, 0, angle), length, width)
 
@@ -292,9 +346,31 @@ def test_pairs_are_those_that_share_a_cell_but_neighbours_each_once_in_order(see
 def test_impossible_cells_origins_and_points_are_refused_by_name():
     for value in (*NO_NUMBERS, 1e-4, 1001, 1e308):
         assert_says(refusal(lambda value=value: Grid(cell=value)), "cell is ", "0.001 to 1000 m")
-    for value in (None, 1.0, (), (1.0,), (1.0, 2.0, 3.0), (np.nan, 0), (0, np.inf), ("0", 0), (1e10, 0), (10**400, 0)):
+    for value in (
+        None,
+        1.0,
+        (),
+        (1.0,),
+        (1.0, 2.0, 3.0),
+        (np.nan, 0),
+        (0, np.inf),
+        ("0", 0),
+        (1e10, 0),
+        (10**400, 0),
+    ):
         assert refusal(lambda value=value: Grid(origin=value)).name == "origin"
-    points = (None, 1.0, "here", [1.0], [1, 2, 3], [[0, 0], [1, 1]], [1j, 0], (np.nan, 0), (0, -np.inf), (0, 1e6))
+    points = (
+        None,
+        1.0,
+        "here",
+        [1.0],
+        [1, 2, 3],
+        [[0, 0], [1, 1]],
+        [1j, 0],
+        (np.nan, 0),
+        (0, -np.inf),
+        (0, 1e6),
+    )
     for bad in points:
         assert refusal(Grid().walk, bad, (0, 0)).name == "start"
         assert refusal(Grid().walk, (0, 0), bad).name == "end"

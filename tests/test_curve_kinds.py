@@ -10,7 +10,18 @@ from exact_curves import DIGITS, arc, line, s_turn, spiral, spline, u_turn, wors
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
-from pymunk_dragon import Arc, Composite, Curve, Line, Reversed, Sampled, Section, Spiral, UTurn, check_curve
+from pymunk_dragon import (
+    Arc,
+    Composite,
+    Curve,
+    Line,
+    Reversed,
+    Sampled,
+    Section,
+    Spiral,
+    UTurn,
+    check_curve,
+)
 from pymunk_dragon.errors import ParameterError
 
 LINE = Line(start=(-3.5, 2.25), stop=(40.0, -7.0))
@@ -25,7 +36,19 @@ PATH = Composite(
     ]
 )
 WAVE = np.stack([np.linspace(0, 20, 60), 3 * np.sin(np.linspace(0, 20, 60))], axis=-1)
-CORNERS = [(0, 0), (1, 0.2), (3.5, -1), (4, 2), (3.2, 2.1), (3, 7), (9, 7.5), (8, 3), (20, 1), (21, 1.1), (21.5, -3)]
+CORNERS = [
+    (0, 0),
+    (1, 0.2),
+    (3.5, -1),
+    (4, 2),
+    (3.2, 2.1),
+    (3, 7),
+    (9, 7.5),
+    (8, 3),
+    (20, 1),
+    (21, 1.1),
+    (21.5, -3),
+]
 LONGER = Composite([PATH, Line(start=(2, 8), stop=(2, 9))])
 
 
@@ -57,7 +80,16 @@ class LogarithmicSpiral(Curve):
         return np.where(np.asarray(s) >= 1, s, np.nan)
 
 
-CURVES = [LINE, ARC, Reversed(LINE), PATH, LONGER, UTurn(), Reversed(UTurn(ratio=0.7)), LogarithmicSpiral()]
+CURVES = [
+    LINE,
+    ARC,
+    Reversed(LINE),
+    PATH,
+    LONGER,
+    UTurn(),
+    Reversed(UTurn(ratio=0.7)),
+    LogarithmicSpiral(),
+]
 CURVES += [Composite([Section(LogarithmicSpiral(), 1, 50)]), Sampled(WAVE), Sampled(CORNERS)]
 PARTS = [
     (Spiral(), -500, -1),
@@ -68,7 +100,9 @@ PARTS = [
 ]
 
 
-@pytest.mark.parametrize("arguments", [*((curve,) for curve in CURVES), *PARTS], ids=lambda part: repr(part[0])[:40])
+@pytest.mark.parametrize(
+    "arguments", [*((curve,) for curve in CURVES), *PARTS], ids=lambda part: repr(part[0])[:40]
+)
 def test_curve_is_consistent_in_itself(arguments):
     check_curve(*arguments)
 
@@ -83,16 +117,38 @@ def test_curve_is_consistent_in_itself(arguments):
         (Spiral(pitch=1.7, rotation=-2.5), spiral(1.7, -2.5)),
         *(
             (UTurn(pitch=pitch, radius=radius, ratio=ratio), u_turn(pitch, radius, ratio))
-            for pitch, radius, ratio in ((1.7, 4.5, 2.0), (0.55, 3.0, 0.3), (2.5, 7.0, 4.0), (0.7, 20.0, 1.0))
+            for pitch, radius, ratio in (
+                (1.7, 4.5, 2.0),
+                (0.55, 3.0, 0.3),
+                (2.5, 7.0, 4.0),
+                (0.7, 20.0, 1.0),
+            )
         ),
     ],
-    ids=["line", "arc", "inward", "outward", "turned", "turn", "narrow turn", "wide turn", "large turn"],
+    ids=[
+        "line",
+        "arc",
+        "inward",
+        "outward",
+        "turned",
+        "turn",
+        "narrow turn",
+        "wide turn",
+        "large turn",
+    ],
 )
 def test_points_are_right_to_8_last_digits_of_the_largest_coordinate(curve, truth):
     """The certificate of a first contact rests on this (`collision/bounds.py`)."""
     rng = np.random.default_rng(0)
-    ends = [end for piece in getattr(curve, "pieces", []) for end in (piece.begin_s, piece.end_s) if np.isfinite(end)]
-    places = np.concatenate([rng.uniform(-1, 1, 60) * reach for reach in (3, 30, 300, 3000, 30_000)])
+    ends = [
+        end
+        for piece in getattr(curve, "pieces", [])
+        for end in (piece.begin_s, piece.end_s)
+        if np.isfinite(end)
+    ]
+    places = np.concatenate(
+        [rng.uniform(-1, 1, 60) * reach for reach in (3, 30, 300, 3000, 30_000)]
+    )
     places = places[(places > curve.begin_s) & (places < curve.end_s)]
     with mp.workdps(DIGITS):
         for place, found in zip(places.tolist(), curve.point(places).tolist(), strict=True):
@@ -119,8 +175,18 @@ def test_impossible_curves_are_refused_by_the_name_of_the_parameter():
         (lambda value: UTurn(pitch=value), "pitch", "0.001 to 1000 m", NO_NUMBERS),
         (lambda value: UTurn(radius=value), "radius", "0.1 to 100 m", NO_NUMBERS),
         (lambda value: UTurn(ratio=value), "ratio", "0.02 to 50", NO_NUMBERS),
-        (lambda value: Spiral(pitch=value), "pitch", "0.001 to 1000 m", [*NO_NUMBERS, 1e-9, 1000.001, 1e308]),
-        (lambda value: Spiral(rotation=value), "rotation", "-1000 to 1000 rad", [math.nan, 10**400, "1", True, 1j]),
+        (
+            lambda value: Spiral(pitch=value),
+            "pitch",
+            "0.001 to 1000 m",
+            [*NO_NUMBERS, 1e-9, 1000.001, 1e308],
+        ),
+        (
+            lambda value: Spiral(rotation=value),
+            "rotation",
+            "-1000 to 1000 rad",
+            [math.nan, 10**400, "1", True, 1j],
+        ),
         (lambda value: Spiral(outward=value), "outward", "True or False", [1]),
         (lambda value: Section(LINE, value, 5), "begin_s", "m", [-1, math.nan]),
         (lambda value: Section(LINE, 3, value), "end_s", "m", [3, math.inf]),
@@ -128,10 +194,30 @@ def test_impossible_curves_are_refused_by_the_name_of_the_parameter():
         (Reversed, "curve", "Curve", [3]),
         (Composite, "pieces", "Curve", [[], None, 3, LINE, "ab", [LINE, None], np.array(1)]),
         # Their inner ends are not finite.
-        (Composite, "pieces", "piece 1", [[Spiral(outward=True), LINE], [LINE, Spiral()], [UTurn(), UTurn()]]),
-        (Sampled, "points", "", [None, 3, "abc", [], points[:3], [(0, 0, 0)] * 5, np.zeros((60_000, 2))]),
-        (Sampled, "points", "", [[(0, 0), (1,), (2, 2), (3, 3)], [(0, 0), (1, "x"), (2, 2), (3, 3)]]),
-        (lambda value: path_with(2, value), "point 3", "100000 m", [(math.nan, 0), (0, math.inf), (0, 2e5)]),
+        (
+            Composite,
+            "pieces",
+            "piece 1",
+            [[Spiral(outward=True), LINE], [LINE, Spiral()], [UTurn(), UTurn()]],
+        ),
+        (
+            Sampled,
+            "points",
+            "",
+            [None, 3, "abc", [], points[:3], [(0, 0, 0)] * 5, np.zeros((60_000, 2))],
+        ),
+        (
+            Sampled,
+            "points",
+            "",
+            [[(0, 0), (1,), (2, 2), (3, 3)], [(0, 0), (1, "x"), (2, 2), (3, 3)]],
+        ),
+        (
+            lambda value: path_with(2, value),
+            "point 3",
+            "100000 m",
+            [(math.nan, 0), (0, math.inf), (0, 2e5)],
+        ),
         (lambda value: path_with(3, value), "point 4", "0.001 m", [(2, 0)]),
         # The path would nearly stop there.
         (lambda value: path_with(3, value), "point 1", "cusp", [(1, 0)]),
@@ -149,7 +235,12 @@ def test_pieces_have_to_meet_without_gap_and_kink():
         if max(gap, angle) < 1e-9:
             Composite(pieces)
         else:
-            assert_says(refusal(Composite, pieces), "joint 2", f"{gap:.3g} m", f"{math.degrees(angle):.3g} degrees")
+            assert_says(
+                refusal(Composite, pieces),
+                "joint 2",
+                f"{gap:.3g} m",
+                f"{math.degrees(angle):.3g} degrees",
+            )
 
 
 def test_composite_begins_at_0_and_bends_as_its_pieces():
@@ -170,10 +261,27 @@ def test_u_turn_is_the_one_that_tangency_demands():
         turn = UTurn(pitch=sizes[0], radius=sizes[1], ratio=sizes[2])
         with mp.workdps(DIGITS):
             radii, centres, sweeps, points, length = s_turn(*map(mp.mpf, sizes))
-            expected = [*radii, *(part for z in (*centres, *points) for part in (z.real, z.imag)), *sweeps, length]
-        found = [*turn.radii, *turn.centres.ravel(), *turn.tangent_points.ravel(), *turn.sweeps, turn.length]
+            expected = [
+                *radii,
+                *(part for z in (*centres, *points) for part in (z.real, z.imag)),
+                *sweeps,
+                length,
+            ]
+        found = [
+            *turn.radii,
+            *turn.centres.ravel(),
+            *turn.tangent_points.ravel(),
+            *turn.sweeps,
+            turn.length,
+        ]
         assert found == pytest.approx([float(value) for value in expected], abs=1e-12)
-    for sizes in ((0.1, 100, 0.02), (1000, 100, 50), (1000, 0.1, 50), (0.001, 0.1, 50), (0.001, 1, 2)):
+    for sizes in (
+        (0.1, 100, 0.02),
+        (1000, 100, 50),
+        (1000, 0.1, 50),
+        (0.001, 0.1, 50),
+        (0.001, 1, 2),
+    ):
         turn = UTurn(pitch=sizes[0], radius=sizes[1], ratio=sizes[2])
         assert np.isfinite(turn.point(turn.joints)).all(), sizes
 

@@ -58,7 +58,11 @@ def shapes():
     body.position, lift.position, body.angle = (60, 40), (20, 40), 0.4
     disc = pymunk.Circle(body, 20)
     disc.color = (*RED[:3], 100)
-    space.add(lift, pymunk.Poly.create_box(lift, (30, 25), 4), pymunk.Segment(space.static_body, (0, 8), (80, 8), 4))
+    space.add(
+        lift,
+        pymunk.Poly.create_box(lift, (30, 25), 4),
+        pymunk.Segment(space.static_body, (0, 8), (80, 8), 4),
+    )
     space.add(body, disc, pymunk.Poly(body, [(20, -15), (40, -15), (30, 5)]))
     return space
 
@@ -67,7 +71,10 @@ def test_every_kind_of_shape_covers_its_area():
     random = np.random.default_rng(7)
     x, y = np.meshgrid(np.arange(48), np.arange(48))
     for number in range(12):
-        at, radius = [Vec2d(*point) for point in random.uniform(14, 34, (5, 2)).tolist()], random.uniform(2, 9)
+        at, radius = (
+            [Vec2d(*point) for point in random.uniform(14, 34, (5, 2)).tolist()],
+            random.uniform(2, 9),
+        )
         # With corners on the straight, which rounding errors turn one way or the other.
         hull = shapely.segmentize(shapely.MultiPoint(at).convex_hull, 5)
         corners = [Vec2d(*corner) for corner in hull.exterior.coords[:-1]]
@@ -98,12 +105,20 @@ def test_lines_and_outlines_are_as_thick_as_their_width_at_every_angle():
             across = along.perpendicular()
             ends = middle - 50 * along, middle + 50 * along
             far, away = ((x - middle.x) * one.x + (y - middle.y) * one.y for one in (along, across))
-            corners = [end + 12 * side * across for end, side in zip((*ends, *ends[::-1]), (-1, -1, 1, 1), strict=True)]
+            corners = [
+                end + 12 * side * across
+                for end, side in zip((*ends, *ends[::-1]), (-1, -1, 1, 1), strict=True)
+            ]
             # What is drawn, in which part of the picture, and how long a line is there.
             for name, arguments, part, length in (
                 ("draw_segment", (*ends, BLACK), np.abs(far) < 35, 70),
                 ("draw_fat_segment", (*ends, 0.0, RED, BLACK), np.abs(far) < 35, 70),
-                ("draw_fat_segment", (*ends, 12.0, BLACK, WHITE), (np.abs(far) < 35) & (away > 0), 70),
+                (
+                    "draw_fat_segment",
+                    (*ends, 12.0, BLACK, WHITE),
+                    (np.abs(far) < 35) & (away > 0),
+                    70,
+                ),
                 ("draw_polygon", (corners, 0.0, BLACK, WHITE), (np.abs(far) < 35) & (away > 0), 70),
                 ("draw_polygon", (corners, 3.0, BLACK, WHITE), (np.abs(far) < 35) & (away < 0), 70),
                 (
@@ -125,7 +140,11 @@ def test_lines_and_outlines_are_as_thick_as_their_width_at_every_angle():
                 covered = float(((1 - np.asarray(options.image)[..., 0] / 255) * part).sum())
                 if length is None:  # Two arcs of a circle.
                     length = 4 * math.acos(30 / (45 - width / 2)) * (45 - width / 2)
-                assert covered / length == pytest.approx(width, abs=THICKNESS), (name, width, degrees)
+                assert covered / length == pytest.approx(width, abs=THICKNESS), (
+                    name,
+                    width,
+                    degrees,
+                )
 
 
 def test_marks_of_contacts_are_as_thick_as_lines_at_every_angle():
@@ -139,7 +158,9 @@ def test_marks_of_contacts_are_as_thick_as_lines_at_every_angle():
                 options.draw_segment(Vec2d(32, 32) - along, Vec2d(32, 32) + along, mark)
             covered = float((1 - np.asarray(options.image)[..., 1] / 255).sum())
             # Five widths to either side of the contact, and up to half a pixel more.
-            assert covered == pytest.approx(width * (10 * width + 0.25), abs=THICKNESS * (10 * width + 1)), (
+            assert covered == pytest.approx(
+                width * (10 * width + 0.25), abs=THICKNESS * (10 * width + 1)
+            ), (
                 width,
                 degrees,
             )
@@ -160,10 +181,13 @@ def test_outline_lets_the_fill_shine_through_nowhere_else():
     box = [Vec2d(10, 12), Vec2d(54, 22), Vec2d(50, 50), Vec2d(12, 44)]
     clear = (0, 0, 0, 0)
     both, fill, outline = (
-        painted("draw_polygon", box, 4.0, *colours) for colours in ((BLACK, RED), (clear, RED), (BLACK, clear))
+        painted("draw_polygon", box, 4.0, *colours)
+        for colours in ((BLACK, RED), (clear, RED), (BLACK, clear))
     )
     inked = np.asarray(outline)[..., :1] < 255
-    np.testing.assert_array_equal(np.asarray(both)[~inked[..., 0]], np.asarray(fill)[~inked[..., 0]])
+    np.testing.assert_array_equal(
+        np.asarray(both)[~inked[..., 0]], np.asarray(fill)[~inked[..., 0]]
+    )
     assert not has(outline, RED)
 
 
@@ -186,7 +210,11 @@ def test_circles_have_a_line_in_the_direction_of_their_body_in_every_view():
 
 def test_fit_shows_all_of_a_space_as_large_as_it_can():
     space = pymunk.Space()
-    space.add(pymunk.Poly(space.static_body, [(1003, -7.5), (1003.06, -7.5), (1003.06, -7.47), (1003, -7.47)]))
+    space.add(
+        pymunk.Poly(
+            space.static_body, [(1003, -7.5), (1003.06, -7.5), (1003.06, -7.47), (1003, -7.47)]
+        )
+    )
     for size, up in (((200, 100), False), ((80, 160), True)):
         options = PillowDrawOptions(white(*size), positive_y_is_up=up)
         options.fit(space, margin=15)
@@ -200,13 +228,18 @@ def test_fit_shows_all_of_a_space_as_large_as_it_can():
     assert options.transform == Transform(40, 0, 0, 40, -20, -80)
     options.fit(cradle())
     # The anchors of the constraints are in the picture too.
-    assert all(10 <= length <= size - 10 for length, size in zip(options.transform @ (0, 0), (120, 80), strict=True))
+    assert all(
+        10 <= length <= size - 10
+        for length, size in zip(options.transform @ (0, 0), (120, 80), strict=True)
+    )
 
 
 def test_alpha_lets_the_background_through():
     for alpha in (0, 1, 100, 255):
         image = Image.new("RGB", (64, 64), (30, 40, 250))
-        painted("draw_circle", Vec2d(32, 32), 0, 20, (*RED[:3], 0), (10, 200, 90, alpha), image=image)
+        painted(
+            "draw_circle", Vec2d(32, 32), 0, 20, (*RED[:3], 0), (10, 200, 90, alpha), image=image
+        )
         mixed = (np.array([10, 200, 90]) * alpha + np.array([30, 40, 250]) * (255 - alpha)) / 255
         assert np.abs(np.array(image.getpixel((32, 40))) - mixed).max() <= 1, alpha
 
@@ -216,8 +249,16 @@ def test_bad_images_line_widths_and_areas_are_refused():
     cases = [
         ("area", options.fit, [pymunk.Space(), BB(1, 1, 1, 1)]),
         ("margin", lambda margin: options.fit(cradle(), margin), [32]),
-        ("image", PillowDrawOptions, [None, "image.png", *(Image.new(mode, (4, 4)) for mode in ("L", "P", "RGBA"))]),
-        ("line_width", lambda width: PillowDrawOptions(white(), line_width=width), [0, -1, math.nan, 101, "1"]),
+        (
+            "image",
+            PillowDrawOptions,
+            [None, "image.png", *(Image.new(mode, (4, 4)) for mode in ("L", "P", "RGBA"))],
+        ),
+        (
+            "line_width",
+            lambda width: PillowDrawOptions(white(), line_width=width),
+            [0, -1, math.nan, 101, "1"],
+        ),
     ]
     for name, call, values in cases:
         for value in values:
@@ -227,16 +268,31 @@ def test_bad_images_line_widths_and_areas_are_refused():
 def test_what_is_out_of_sight_or_nowhere_changes_nothing():
     image = white()
     options = PillowDrawOptions(image)
-    places = [(-1e3, 0), (1e5, 1e5), (32, 1e11), (math.nan, 3), (3, math.inf), (1e300, 0), (-1e13, 3)]
+    places = [
+        (-1e3, 0),
+        (1e5, 1e5),
+        (32, 1e11),
+        (math.nan, 3),
+        (3, math.inf),
+        (1e300, 0),
+        (-1e13, 3),
+    ]
     with options:
-        for place, radius in [*((place, 3.0) for place in places), *(((-30, 32), r) for r in (math.nan, math.inf, -3))]:
+        for place, radius in [
+            *((place, 3.0) for place in places),
+            *(((-30, 32), r) for r in (math.nan, math.inf, -3)),
+        ]:
             a = Vec2d(*place)
             options.draw_circle(a, 0.3, radius, BLACK, RED)
             options.draw_fat_segment(a, a + Vec2d(5, 5), radius, BLACK, RED)
             options.draw_polygon([a, a + Vec2d(5, 5), a + Vec2d(0, 7)], radius, BLACK, RED)
             options.draw_segment(a, a + Vec2d(5, 5), BLACK)
             options.draw_dot(radius, a, BLACK)
-    for nowhere in (Transform.translation(1e6, 0), Transform(math.nan, 0, 0, 1, 0, 0), Transform.scaling(1e300)):
+    for nowhere in (
+        Transform.translation(1e6, 0),
+        Transform(math.nan, 0, 0, 1, 0, 0),
+        Transform.scaling(1e300),
+    ):
         options.transform = Transform.translation(9, 9) @ nowhere
         shapes().debug_draw(options)
     assert image.tobytes() == white().tobytes()
@@ -244,7 +300,9 @@ def test_what_is_out_of_sight_or_nowhere_changes_nothing():
 
 def test_shapes_far_larger_than_the_picture_are_drawn():
     slope = Vec2d(math.cos(0.4), math.sin(0.4))
-    planet = painted("draw_circle", Vec2d(200, 200) - slope * 1e5, 2, 1e5, RED, BLACK, image=white(400, 400))
+    planet = painted(
+        "draw_circle", Vec2d(200, 200) - slope * 1e5, 2, 1e5, RED, BLACK, image=white(400, 400)
+    )
     x, y = np.meshgrid(np.arange(400) - 199.5, np.arange(400) - 199.5)
     assert np.mean((np.asarray(planet)[..., 1] < 128) != (x * slope.x + y * slope.y < 0)) < 0.004
     far = [Vec2d(-1e7, -1e7), Vec2d(1e7, -1e7), Vec2d(0, 2e7)]
@@ -253,8 +311,15 @@ def test_shapes_far_larger_than_the_picture_are_drawn():
     assert has(painted("draw_segment", Vec2d(-4e8, 32.5), Vec2d(4e8, 32.5), BLACK), BLACK)
     # A slope of 0.3 around a point of the picture.
     far_away = Vec2d(1e8, 3e7)
-    across = np.asarray(painted("draw_segment", Vec2d(20, 30) - far_away, Vec2d(20, 30) + far_away, BLACK))[..., 0]
-    assert np.abs(np.argmin(across[:, ::9], axis=0) + 0.5 - (30 + 0.3 * (np.arange(0, 64, 9) + 0.5 - 20))).max() < 1
+    across = np.asarray(
+        painted("draw_segment", Vec2d(20, 30) - far_away, Vec2d(20, 30) + far_away, BLACK)
+    )[..., 0]
+    assert (
+        np.abs(
+            np.argmin(across[:, ::9], axis=0) + 0.5 - (30 + 0.3 * (np.arange(0, 64, 9) + 0.5 - 20))
+        ).max()
+        < 1
+    )
 
 
 def test_wrong_colour_of_a_shape_is_raised_and_the_options_can_be_used_again(capfd):

@@ -30,21 +30,30 @@ RENDERS = ROOT / "renders"
 def made(target, text):
     """The words of the command with a text that makes a target as in a new clone, without making anything."""
     # The tests may have been started by make, whose options are not for this one.
-    alone = {name: value for name, value in os.environ.items() if not name.startswith(("MAKE", "MFLAGS"))}
+    alone = {
+        name: value for name, value in os.environ.items() if not name.startswith(("MAKE", "MFLAGS"))
+    }
     command = ["make", "--dry-run", "--always-make", target]
-    shown = subprocess.run(command, cwd=ROOT, env=alone, capture_output=True, text=True, check=True, timeout=60).stdout
+    shown = subprocess.run(
+        command, cwd=ROOT, env=alone, capture_output=True, text=True, check=True, timeout=60
+    ).stdout
     [line] = [line for line in shown.splitlines() if text in line]
     return shlex.split(line)
 
 
 def commands():
     """The arguments that the Makefile passes."""
-    return dict(argument.split("=", 1) for argument in made("docs", "renders/documentation.py renders/docs")[3:])
+    return dict(
+        argument.split("=", 1)
+        for argument in made("docs", "renders/documentation.py renders/docs")[3:]
+    )
 
 
 def test_run_of_a_figure_is_not_written_as_pictures():
     assert made("renders/figures/drift.png", "gallery.py renders/march.npz")[3] == ".npz"
-    assert made("renders/figures/drift.png", "gallery.py renders/figures/drift.png")[3] == ".png,.svg"
+    assert (
+        made("renders/figures/drift.png", "gallery.py renders/figures/drift.png")[3] == ".png,.svg"
+    )
 
 
 @pytest.fixture(scope="module")
@@ -63,7 +72,11 @@ class Page:
 
     def __init__(self, path):
         self.soup = BeautifulSoup(path.read_text(encoding="utf-8"), "html.parser")
-        self.links = [each[name] for name in ("href", "src") for each in self.soup.find_all(attrs={name: True})]
+        self.links = [
+            each[name]
+            for name in ("href", "src")
+            for each in self.soup.find_all(attrs={name: True})
+        ]
         self.anchors = {each["id"] for each in self.soup.find_all(id=True)}
 
 
@@ -82,7 +95,11 @@ def test_every_link_leads_somewhere(site, pages):
             if parts.scheme in ("http", "https", "data") or "${" in link:
                 continue
             target = (path.parent / unquote(parts.path)).resolve() if parts.path else path
-            anchored = not parts.fragment or target not in pages or unquote(parts.fragment) in pages[target].anchors
+            anchored = (
+                not parts.fragment
+                or target not in pages
+                or unquote(parts.fragment) in pages[target].anchors
+            )
             if not (target.is_file() and target.is_relative_to(site.resolve()) and anchored):
                 broken.append((path.relative_to(site).as_posix(), link))
     assert broken == []
@@ -94,34 +111,55 @@ def test_every_public_name_has_its_place_on_a_page_with_an_example(site, pages):
     for name in pymunk_dragon.__all__:
         [link] = {link for link in names if link.endswith(f"#{name}")}
         section = pages[site / link.partition("#")[0]].soup.find("section", id=name)
-        assert "Examples" in [each.text for each in section.find_all("h2")] or name.endswith("Error")
+        assert "Examples" in [each.text for each in section.find_all("h2")] or name.endswith(
+            "Error"
+        )
 
 
 @pytest.mark.thorough
 def test_links_have_names_headings_skip_no_level_and_what_scrolls_has_focus(pages):
     for path, page in pages.items():
         links = page.soup.find_all("a")
-        names = [each.text.strip() or each.get("aria-label") or each.find("img", alt=True) for each in links]
+        names = [
+            each.text.strip() or each.get("aria-label") or each.find("img", alt=True)
+            for each in links
+        ]
         assert all(names), path.name
         levels = [int(each.name[1]) for each in page.soup.main.find_all(re.compile("h[1-6]"))]
         assert all(after <= before + 1 for before, after in pairwise(levels)), path.name
-        assert all(each.has_attr("tabindex") for each in page.soup.find_all(["pre", "table"])), path.name
+        assert all(each.has_attr("tabindex") for each in page.soup.find_all(["pre", "table"])), (
+            path.name
+        )
 
 
 def test_teachers_find_lessons_below_questions_and_every_lesson_in_the_table_of_goals():
-    _, section, *_ = re.split("^## (?=Which lesson)|^## (?=What each)", GUIDES["teachers"].text, flags=re.MULTILINE)
+    _, section, *_ = re.split(
+        "^## (?=Which lesson)|^## (?=What each)", GUIDES["teachers"].text, flags=re.MULTILINE
+    )
     found = re.findall(r"`([a-z-]+)`", section)
     # A new lesson may answer none of these questions.
     assert len(found) == len(set(found)) > 9
     assert set(found) <= set(LESSONS)
-    assert re.findall(r"^\| \[([a-z-]+)\]", documentation.lessons_text(), re.MULTILINE) == list(LESSONS)
+    assert re.findall(r"^\| \[([a-z-]+)\]", documentation.lessons_text(), re.MULTILINE) == list(
+        LESSONS
+    )
 
 
 def test_no_line_of_a_page_is_longer_than_120_columns():
     files = [*(ROOT / "pymunk_dragon").rglob("*.*"), *RENDERS.glob("templates/*")]
     pages = [path for path in files if path.suffix in (".js", ".css", ".html", ".j2", ".jinja2")]
-    lines = [(path.name, line) for path in pages for line in path.read_text(encoding="utf-8").splitlines()]
-    assert {name for name, _ in lines} > {"live.html", "live.css", "live.js", "lessons.html.j2", "custom.css"}
+    lines = [
+        (path.name, line)
+        for path in pages
+        for line in path.read_text(encoding="utf-8").splitlines()
+    ]
+    assert {name for name, _ in lines} > {
+        "live.html",
+        "live.css",
+        "live.js",
+        "lessons.html.j2",
+        "custom.css",
+    }
     assert [(name, line) for name, line in lines if _display.width(line) > 120] == []
 
 
@@ -137,7 +175,10 @@ def test_every_committed_picture_is_described_in_a_text():
 @needs_browser
 def test_pages_fit_the_window_and_request_only_files(browser, site, pages):
     # The narrow window for all, and the wide one for some.
-    for path, width in [*((path, 390) for path in pages), *((path, 1280) for path in list(pages)[:3])]:
+    for path, width in [
+        *((path, 390) for path in pages),
+        *((path, 1280) for path in list(pages)[:3]),
+    ]:
         with opened(browser, path.as_uri(), width, 900, is_mobile=width < 600) as seen:
             assert seen.page.evaluate("document.documentElement.scrollWidth") == width, path.name
             assert seen.complaints == []
@@ -149,11 +190,18 @@ def test_pages_fit_the_window_and_request_only_files(browser, site, pages):
 def test_search_finds_a_public_name_and_lists_guides_before_attributes(browser, site):
     with opened(browser, (site / "index.html").as_uri()) as seen:
         seen.page.fill("input[type=search]", "First contact")
-        wait_until(seen.page, "document.querySelector('.search-result a')?.href.endsWith('#first_contact')")
+        wait_until(
+            seen.page, "document.querySelector('.search-result a')?.href.endsWith('#first_contact')"
+        )
         seen.page.fill("input[type=search]", "chain")
-        wait_until(seen.page, "document.querySelector('.search-result a')?.getAttribute('href') === 'chains.html'")
+        wait_until(
+            seen.page,
+            "document.querySelector('.search-result a')?.getAttribute('href') === 'chains.html'",
+        )
         seen.page.fill("input[type=search]", "lesson")
-        wait_until(seen.page, "document.querySelector('main').innerText.includes(\"results for 'lesson'\")")
+        wait_until(
+            seen.page, "document.querySelector('main').innerText.includes(\"results for 'lesson'\")"
+        )
         assert not seen.page.query_selector_all("[href$='.md']")
         assert [text for text in seen.complaints if "Failed" in text] == []
 
@@ -165,7 +213,9 @@ VERSION = pymunk_dragon.__version__
 
 def run(*command, **options):
     """The output of a command; most of the time is pip's, which takes the libraries from its cache the second time."""
-    done = subprocess.run([*map(str, command)], capture_output=True, text=True, check=False, timeout=300, **options)
+    done = subprocess.run(
+        [*map(str, command)], capture_output=True, text=True, check=False, timeout=300, **options
+    )
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
 
@@ -176,9 +226,19 @@ def programs(tmp_path_factory):
     folder = tmp_path_factory.mktemp("environment")
     venv.create(folder, with_pip=True)
     try:
-        run(folder / "bin" / "pip", "download", "--quiet", "--no-deps", "--dest", folder / "downloads", "hatchling")
+        run(
+            folder / "bin" / "pip",
+            "download",
+            "--quiet",
+            "--no-deps",
+            "--dest",
+            folder / "downloads",
+            "hatchling",
+        )
     except AssertionError:
-        pytest.skip("no package index can be reached, from which pip takes hatchling and the libraries")
+        pytest.skip(
+            "no package index can be reached, from which pip takes hatchling and the libraries"
+        )
     return folder / "bin"
 
 
@@ -187,15 +247,22 @@ def archives(programs, tmp_path_factory):
     """The wheel and the source distribution."""
     folder = tmp_path_factory.mktemp("dist")
     run(sys.executable, "-m", "build", "--outdir", folder, ROOT)
-    return folder / f"pymunk_dragon-{VERSION}-py3-none-any.whl", folder / f"pymunk_dragon-{VERSION}.tar.gz"
+    return (
+        folder / f"pymunk_dragon-{VERSION}-py3-none-any.whl",
+        folder / f"pymunk_dragon-{VERSION}.tar.gz",
+    )
 
 
 @pytest.mark.thorough
 def test_archives_are_complete_and_an_index_would_accept_them(archives):
     assert run(sys.executable, "-m", "twine", "check", "--strict", *archives).count("PASSED") == 2
     package = [path for path in (ROOT / "pymunk_dragon").rglob("*") if path.is_file()]
-    files = {path.relative_to(ROOT).as_posix() for path in package if "__pycache__" not in path.parts}
-    assert {name for name in zipfile.ZipFile(archives[0]).namelist() if ".dist-info/" not in name} == files
+    files = {
+        path.relative_to(ROOT).as_posix() for path in package if "__pycache__" not in path.parts
+    }
+    assert {
+        name for name in zipfile.ZipFile(archives[0]).namelist() if ".dist-info/" not in name
+    } == files
     with tarfile.open(archives[1]) as archive:
         packed = {name.partition("/")[2] for name in archive.getnames()}
     read = "README.md README.zh.md LICENSE Makefile renders/documentation.py renders/guides/live.md tests/conftest.py"
@@ -212,12 +279,22 @@ def test_installed_archives_run_the_program_and_a_lesson(archives, programs, tmp
     assert list(tmp_path.iterdir())
     # The source distribution installs the same program.
     run(*install, "--no-deps", "--force-reinstall", archives[1])
-    assert "benches 0 and 8" in run(programs / "pymunk-dragon", "simulate", "--from", "412", cwd=tmp_path)
+    assert "benches 0 and 8" in run(
+        programs / "pymunk-dragon", "simulate", "--from", "412", cwd=tmp_path
+    )
 
 
 def test_metadata_and_citation_name_what_users_look_for():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    assert {"authors", "classifiers", "description", "keywords", "license", "readme", "urls"} <= set(project)
+    assert {
+        "authors",
+        "classifiers",
+        "description",
+        "keywords",
+        "license",
+        "readme",
+        "urls",
+    } <= set(project)
     citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
     assert f"\nversion: {VERSION}\n" in citation
     assert "Study On The Bench Dragon Problem" in citation

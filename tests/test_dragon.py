@@ -12,7 +12,15 @@ from conftest import NO_NUMBERS, assert_says, refusal
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pymunk_dragon import Dragon, FileFormatError, March, ParameterError, SpeedTable, errors, outlines
+from pymunk_dragon import (
+    Dragon,
+    FileFormatError,
+    March,
+    ParameterError,
+    SpeedTable,
+    errors,
+    outlines,
+)
 from pymunk_dragon.model.dragon import bench_poses
 
 LENGTHS = ("head_spacing", "body_spacing", "overhang", "width")
@@ -44,17 +52,33 @@ def test_impossible_sizes_are_refused_by_name():
             error = refusal(Dragon, benches=223, **{name: value})
             assert error.value is value
             assert_says(error, f"{name} is ", "0.001 to 100 m")
-    for value in [*(value for value in NO_NUMBERS if value is not None), 1, 10_001, 10**5000, 223.0, 2.5]:
+    for value in [
+        *(value for value in NO_NUMBERS if value is not None),
+        1,
+        10_001,
+        10**5000,
+        223.0,
+        2.5,
+    ]:
         assert refusal(Dragon, benches=value).name == "benches"
     for overhang in (0.825, 0.9, 50.0):
         assert_says(refusal(Dragon, overhang=overhang), "overhang is ", "0.825 m")
     for name, *cases in (
-        ("width", {"benches": 223, "width": [0.3, 0.3]}, {"width": [0.3]}, {"width": [0.3] * 10_001}, {"width": "0.3"}),
+        (
+            "width",
+            {"benches": 223, "width": [0.3, 0.3]},
+            {"width": [0.3]},
+            {"width": [0.3] * 10_001},
+            {"width": "0.3"},
+        ),
         ("overhang", {"body_spacing": [1.65] * 3, "overhang": [0.2] * 3}),
         ("body_spacing", {"body_spacing": []}),
         ("head_spacing", {"head_spacing": [2.86, 1.65]}),
         ("width[1]", {"width": [0.3, -1, 0.3]}, {"width": [0.3, [0.3], 0.3]}),
-        ("overhang beside bench 2", {"overhang": [0.1, 0.5, 0.2, 0.5], "body_spacing": [1.0, 1.0, 1.0]}),
+        (
+            "overhang beside bench 2",
+            {"overhang": [0.1, 0.5, 0.2, 0.5], "body_spacing": [1.0, 1.0, 1.0]},
+        ),
     ):
         for sizes in cases:
             assert_says(refusal(Dragon, **sizes), f"{name} is ")
@@ -65,22 +89,47 @@ def test_benches_may_differ():
     assert dragon.spacings.tolist() == [3.0, 4.0, 2.5, 6.0]
     assert dragon.lengths.tolist() == pytest.approx([4.0, 4.6, 4.1, 8.0])
     assert dragon.widths.tolist() == TRACTOR["width"]
-    for sizes in ({}, {"width": [0.5, 0.3, 0.3]}, {"overhang": [0.1, 0.2, 0.2], "body_spacing": [1.65, 1.65]}):
+    for sizes in (
+        {},
+        {"width": [0.5, 0.3, 0.3]},
+        {"overhang": [0.1, 0.2, 0.2], "body_spacing": [1.65, 1.65]},
+    ):
         assert Dragon(**sizes).has_equal_benches
-    for sizes in ({"width": [0.3, 0.3, 0.4]}, {"overhang": [0.275, 0.275, 0.2]}, {"body_spacing": [1.65, 1.7]}):
+    for sizes in (
+        {"width": [0.3, 0.3, 0.4]},
+        {"overhang": [0.275, 0.275, 0.2]},
+        {"body_spacing": [1.65, 1.7]},
+    ):
         assert not Dragon(**sizes).has_equal_benches
 
 
 def test_dragons_of_the_same_sizes_are_equal_whatever_kind_of_numbers_they_are_given():
     dragon = Dragon(**TRACTOR)
-    same = Dragon(benches=4, head_spacing=3, **{name: np.array(TRACTOR[name]) for name in LENGTHS[1:]})
+    same = Dragon(
+        benches=4, head_spacing=3, **{name: np.array(TRACTOR[name]) for name in LENGTHS[1:]}
+    )
     assert pickle.loads(pickle.dumps(dragon)) == dragon == same
-    assert len({dragon, same, Dragon(benches=9), Dragon(benches=9), replace(Dragon(benches=9), benches=8)}) == 3
+    assert (
+        len(
+            {
+                dragon,
+                same,
+                Dragon(benches=9),
+                Dragon(benches=9),
+                replace(Dragon(benches=9), benches=8),
+            }
+        )
+        == 3
+    )
     assert {type(size) for name in LENGTHS[1:] for size in getattr(same, name)} == {float}
     for kind in (np.float64, np.float32, np.float16, Fraction):
-        dragon = Dragon(benches=np.int64(7), width=kind(0.25), head_spacing=np.int32(3), body_spacing=2)
+        dragon = Dragon(
+            benches=np.int64(7), width=kind(0.25), head_spacing=np.int32(3), body_spacing=2
+        )
         assert dragon == Dragon(benches=7, width=0.25, head_spacing=3.0, body_spacing=2.0)
-        assert [type(getattr(dragon, name)) for name in ("benches", *LENGTHS)] == [int] + [float] * 4
+        assert [type(getattr(dragon, name)) for name in ("benches", *LENGTHS)] == [int] + [
+            float
+        ] * 4
 
 
 @given(st.lists(st.tuples(coordinates, coordinates, st.floats(-10, 10)), min_size=4, max_size=4))
@@ -100,10 +149,16 @@ def test_outline_is_a_counter_clockwise_rectangle_about_the_centre(x, y, angle, 
     sides = np.roll(corners, -1, axis=0) - corners
     tolerance = 1e-12 * (abs(x) + abs(y) + length + width)
     assert corners.mean(axis=0) == pytest.approx([x, y], abs=tolerance)
-    assert np.linalg.norm(sides, axis=1) == pytest.approx([length, width, length, width], abs=tolerance)
+    assert np.linalg.norm(sides, axis=1) == pytest.approx(
+        [length, width, length, width], abs=tolerance
+    )
     turns = sides[:, 0] * np.roll(sides[:, 1], -1) - sides[:, 1] * np.roll(sides[:, 0], -1)
-    assert turns == pytest.approx(np.full(4, length * width), rel=1e-9, abs=10 * tolerance * max(length, width))
-    assert sides[0] / length == pytest.approx([math.cos(angle), math.sin(angle)], abs=10 * tolerance / length)
+    assert turns == pytest.approx(
+        np.full(4, length * width), rel=1e-9, abs=10 * tolerance * max(length, width)
+    )
+    assert sides[0] / length == pytest.approx(
+        [math.cos(angle), math.sin(angle)], abs=10 * tolerance / length
+    )
 
 
 def test_outlines_reach_an_overhang_beyond_the_holes_and_are_as_wide_and_long_as_each_bench():
@@ -123,9 +178,19 @@ def test_outlines_reach_an_overhang_beyond_the_holes_and_are_as_wide_and_long_as
 
 
 def test_errors_pass_between_processes_and_are_one_line():
-    others = errors.FileFormatError("run.npz", "damaged"), errors.OutputError("run.npz", "disk full")
-    others += errors.UnreachableError(433.0, 1, "the curve bends"), errors.MissingExtraError("sweep", "sweep")
-    for error in (ParameterError("width", -1.0, "positive"), errors.DragonError("no luck"), *others):
+    others = (
+        errors.FileFormatError("run.npz", "damaged"),
+        errors.OutputError("run.npz", "disk full"),
+    )
+    others += (
+        errors.UnreachableError(433.0, 1, "the curve bends"),
+        errors.MissingExtraError("sweep", "sweep"),
+    )
+    for error in (
+        ParameterError("width", -1.0, "positive"),
+        errors.DragonError("no luck"),
+        *others,
+    ):
         back = pickle.loads(pickle.dumps(error))
         assert (type(back), str(back), vars(back)) == (type(error), str(error), vars(error))
         assert isinstance(error, errors.DragonError)
@@ -140,8 +205,14 @@ speeds = st.floats(0.01, 20)
 
 @st.composite
 def tables(draw):
-    times = draw(st.lists(st.floats(-500, 500), min_size=1, max_size=8, unique_by=lambda time: round(time, 3)))
-    return SpeedTable(sorted(times), draw(st.lists(speeds, min_size=len(times), max_size=len(times))))
+    times = draw(
+        st.lists(
+            st.floats(-500, 500), min_size=1, max_size=8, unique_by=lambda time: round(time, 3)
+        )
+    )
+    return SpeedTable(
+        sorted(times), draw(st.lists(speeds, min_size=len(times), max_size=len(times)))
+    )
 
 
 def test_a_number_is_a_constant_speed():
@@ -158,8 +229,12 @@ def test_a_tables_way_is_the_integral_of_its_speed():
     assert TABLE.at([-1e6, -50, -20, 10, 15, 20.25, 300, 1e6]).tolist() == pytest.approx(speeds)
     for time in (-300.0, -50.0, -7.3, 0.0, 9.999, 20.2, 123.4, 301.0, 900.0):
         knots = sorted({0.0, time, *(t for t in TABLE.times if min(0, time) < t < max(0, time))})
-        exact = math.fsum((b - a) * (TABLE.at(a) + TABLE.at(b)) / 2 for a, b in itertools.pairwise(knots))
-        assert TABLE.distance(time) == pytest.approx(math.copysign(exact, time), rel=1e-14, abs=1e-15)
+        exact = math.fsum(
+            (b - a) * (TABLE.at(a) + TABLE.at(b)) / 2 for a, b in itertools.pairwise(knots)
+        )
+        assert TABLE.distance(time) == pytest.approx(
+            math.copysign(exact, time), rel=1e-14, abs=1e-15
+        )
 
 
 @given(tables(), st.lists(st.floats(-2000, 2000), min_size=1))
@@ -173,7 +248,9 @@ def test_a_tables_time_is_the_inverse_of_its_way(table, times):
 @given(tables(), st.floats(-600, 600), st.floats(0, 300))
 def test_a_tables_bound_is_the_largest_speed_in_between(table, begin, length):
     most = table.at(np.linspace(begin, begin + length, 301)).max()
-    entries = [v for t, v in zip(table.times, table.speeds, strict=True) if begin <= t <= begin + length]
+    entries = [
+        v for t, v in zip(table.times, table.speeds, strict=True) if begin <= t <= begin + length
+    ]
     assert table.fastest(begin, begin + length) == pytest.approx(max([most, *entries]), rel=1e-12)
 
 
@@ -223,7 +300,12 @@ def test_a_function_is_tabulated_in_equal_steps():
     for function in (lambda t: 1 / t, None, complex):
         assert refusal(SpeedTable.of, function, 0, 3).name == "function"
     assert refusal(SpeedTable.of, math.cos, 2, 3).name == "speeds[0]"
-    for times, name in (((1, 1), "until"), ((0, math.inf), "until"), (("0", 1), "start"), ((0, 1, 0), "step")):
+    for times, name in (
+        ((1, 1), "until"),
+        ((0, math.inf), "until"),
+        (("0", 1), "start"),
+        ((0, 1, 0), "step"),
+    ):
         assert refusal(SpeedTable.of, math.exp, *times).name == name
     # A march takes tables only.
     assert refusal(March, speed=math.exp).name == "speed"

@@ -16,7 +16,10 @@ WRITERS = {
     "imageio_ffmpeg": ("film.mp4", "render RUN.npz --size 64 -o"),
     "jinja2": ("report.html", "report RUN.npz -o"),
     "matplotlib": ("report.html", "report RUN.npz -o"),
-    "scipy": ("p.csv", "positions --curve path.csv --times 0 --benches 2 --head-spacing 1 --body-spacing 1 -o"),
+    "scipy": (
+        "p.csv",
+        "positions --curve path.csv --times 0 --benches 2 --head-spacing 1 --body-spacing 1 -o",
+    ),
     "xlsxwriter": ("p.xlsx", "positions --times 0,1 -o"),
 }
 
@@ -30,7 +33,13 @@ def run_without(tmp_path, library, source, replaced):
     Run.exact(March(Dragon(benches=4)), [0.0, 0.5]).save(tmp_path / "run.npz")
     (tmp_path / "path.csv").write_text("0,0\n15,1\n30,0\n45,-8\n")
     (tmp_path / name).write_bytes(b"old")
-    command = [sys.executable, "-m", "pymunk_dragon", *arguments.replace("RUN", "run").split(), name]
+    command = [
+        sys.executable,
+        "-m",
+        "pymunk_dragon",
+        *arguments.replace("RUN", "run").split(),
+        name,
+    ]
     path = os.pathsep.join(filter(None, [str(stubs), os.environ.get("PYTHONPATH")]))
     options = {"cwd": tmp_path, "env": os.environ | {"PYTHONPATH": path}, "timeout": LIMIT}
     ended = subprocess.run(command, capture_output=True, text=True, **options)
@@ -44,7 +53,9 @@ def run_without(tmp_path, library, source, replaced):
 @pytest.mark.parametrize("library", ["matplotlib", "scipy", "xlsxwriter"])
 def test_signal_during_an_import_ends_the_program_and_keeps_the_old_file(tmp_path, library, number):
     # As a module in C makes an ImportError of what interrupts its initialization.
-    source = f"import os\ntry:\n    os.kill(os.getpid(), {int(number)})\n    for _ in range(9): pass\n"
+    source = (
+        f"import os\ntry:\n    os.kill(os.getpid(), {int(number)})\n    for _ in range(9): pass\n"
+    )
     source += "except BaseException as error:\n    raise ImportError('initialization failed') from error\n"
     code, err = run_without(tmp_path, library, source, replaced=False)
     assert code == 128 + number
@@ -53,7 +64,10 @@ def test_signal_during_an_import_ends_the_program_and_keeps_the_old_file(tmp_pat
 
 @pytest.mark.parametrize("library", WRITERS)
 def test_error_inside_an_import_is_shown_and_not_taken_for_a_missing_library(tmp_path, library):
-    for error in ("ImportError('libpng is too old')", f"ModuleNotFoundError('No module named {library}_core')"):
+    for error in (
+        "ImportError('libpng is too old')",
+        f"ModuleNotFoundError('No module named {library}_core')",
+    ):
         code, err = run_without(tmp_path / error[:3], library, f"raise {error}", replaced=False)
         assert code == 1
         assert error.split("'")[1] in err

@@ -14,7 +14,15 @@ from pathlib import Path
 import imageio_ffmpeg
 import psutil
 import pytest
-from conftest import LIMIT, assert_one_line, assert_says, not_under_coverage, read_until, refusal, wait_until
+from conftest import (
+    LIMIT,
+    assert_one_line,
+    assert_says,
+    not_under_coverage,
+    read_until,
+    refusal,
+    wait_until,
+)
 
 import pymunk_dragon
 from pymunk_dragon import OutputError
@@ -53,14 +61,20 @@ def test_interruption_leaves_the_old_file_and_no_draft(old_file):
         assert names(old_file.parent) == ["film.gif"]
 
 
-def test_interruption_where_a_draft_or_a_process_is_made_or_removed_leaves_neither(old_file, monkeypatch):
+def test_interruption_where_a_draft_or_a_process_is_made_or_removed_leaves_neither(
+    old_file, monkeypatch
+):
     def interrupted(function, *arguments, **options):
         made.append(function(*arguments, **options))
         signal.raise_signal(signal.SIGINT)
         return made[-1]
 
     made, half, lesson = [], (write, old_file, "half", ValueError), (record, LESSONS["sat"])
-    for module, name, call in ((os, "mkdir", half), (os, "unlink", half), (subprocess, "Popen", lesson)):
+    for module, name, call in (
+        (os, "mkdir", half),
+        (os, "unlink", half),
+        (subprocess, "Popen", lesson),
+    ):
         with monkeypatch.context() as patch:
             patch.setattr(module, name, partial(interrupted, getattr(module, name)))
             refusal(*call, error=KeyboardInterrupt)
@@ -105,7 +119,9 @@ def test_devices_and_fifos_are_written_and_stay(tmp_path):
     assert_says(refusal(write, "/dev/full", "new", error=OutputError), "No space left on device")
     fifo = tmp_path / "p.csv"
     os.mkfifo(fifo)
-    with subprocess.Popen(["timeout", "300", "cat", str(fifo)], stdout=subprocess.PIPE, text=True) as reader:
+    with subprocess.Popen(
+        ["timeout", "300", "cat", str(fifo)], stdout=subprocess.PIPE, text=True
+    ) as reader:
         write(fifo, "new")
         assert reader.communicate()[0] == "new"
     assert stat.S_ISFIFO(fifo.stat().st_mode)
@@ -157,7 +173,10 @@ def program(*arguments, before="", after="", folder=None, **environment):
 
 def quick_and_all(quick, more):
     """Two cases: the quick one, and all the others in the thorough suite."""
-    cases = [pytest.param(quick, id="quick"), pytest.param(more, id="others", marks=pytest.mark.thorough)]
+    cases = [
+        pytest.param(quick, id="quick"),
+        pytest.param(more, id="others", marks=pytest.mark.thorough),
+    ]
     return pytest.mark.parametrize("commands", cases)
 
 
@@ -181,7 +200,10 @@ def test_streams_that_are_closed_early_are_no_error_message(tmp_path):
     assert (code, err) == (0, "")
     assert program("positions", "--pitch", "-1", after="2>&-")[0] == 2
     picture = tmp_path / "march.png"
-    assert program("render", "-o", picture, "--until", "1", "--size", "64", after="<&- >&- 2>&-")[0] == 0
+    assert (
+        program("render", "-o", picture, "--until", "1", "--size", "64", after="<&- >&- 2>&-")[0]
+        == 0
+    )
     assert picture.read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
 
 
@@ -199,7 +221,9 @@ def test_streams_that_are_closed_early_are_no_error_message(tmp_path):
     ],
     ids=["ctrl-c", "term", "hup", "nohup"],
 )
-def test_signal_ends_a_simulation_with_one_line_and_leaves_the_old_file(tmp_path, numbers, expected):
+def test_signal_ends_a_simulation_with_one_line_and_leaves_the_old_file(
+    tmp_path, numbers, expected
+):
     path = tmp_path / "run.npz"
     path.write_bytes(b"old")
     mine, theirs = pty.openpty()
@@ -246,14 +270,27 @@ class Finder:
             raise ImportError from error
 sys.meta_path.insert(0, Finder)""",
 }
-UNINTERRUPTIBLE["import of the program"] = UNINTERRUPTIBLE["import"].replace("imageio_ffmpeg", "pymunk_dragon.cli")
+UNINTERRUPTIBLE["import of the program"] = UNINTERRUPTIBLE["import"].replace(
+    "imageio_ffmpeg", "pymunk_dragon.cli"
+)
 
 
 @pytest.mark.parametrize("code", UNINTERRUPTIBLE.values(), ids=UNINTERRUPTIBLE)
 def test_interruption_in_code_that_cannot_raise_ends_the_program(tmp_path, code):
     code = f"import os, runpy, signal, sys\n{code}\nrunpy.run_module('pymunk_dragon', run_name='__main__')"
     # A film that takes minutes. A process is started for it.
-    command = [sys.executable, "-c", code, "render", "--until", "400", "--speedup", "0.5", "-o", tmp_path / "film.mp4"]
+    command = [
+        sys.executable,
+        "-c",
+        code,
+        "render",
+        "--until",
+        "400",
+        "--speedup",
+        "0.5",
+        "-o",
+        tmp_path / "film.mp4",
+    ]
     ended = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT)
     assert ended.returncode == 130
     assert_one_line(ended.stderr, "interrupted")
@@ -262,8 +299,12 @@ def test_interruption_in_code_that_cannot_raise_ends_the_program(tmp_path, code)
 
 def test_signal_after_the_last_output_is_no_error():
     code = "import signal as s, pymunk_dragon.__main__ as m; original = s.signal; "
-    code += "s.signal = lambda n, h: (h == s.SIG_IGN and s.raise_signal(n), original(n, h)); m.main()"
-    ended = subprocess.run([sys.executable, "-c", code, "--version"], capture_output=True, text=True, timeout=LIMIT)
+    code += (
+        "s.signal = lambda n, h: (h == s.SIG_IGN and s.raise_signal(n), original(n, h)); m.main()"
+    )
+    ended = subprocess.run(
+        [sys.executable, "-c", code, "--version"], capture_output=True, text=True, timeout=LIMIT
+    )
     assert (ended.returncode, ended.stderr) == (0, "")
 
 
@@ -286,7 +327,9 @@ def test_signal_after_the_last_output_is_no_error():
         ("demo pitch", "lesson.html"),
     ],
 )
-def test_full_disk_is_one_line_and_leaves_the_old_file(tmp_path, tmp_path_factory, small_run, commands):
+def test_full_disk_is_one_line_and_leaves_the_old_file(
+    tmp_path, tmp_path_factory, small_run, commands
+):
     run = tmp_path_factory.mktemp("run") / "run.npz"
     small_run.save(run)
     for arguments, file in commands:
@@ -295,7 +338,9 @@ def test_full_disk_is_one_line_and_leaves_the_old_file(tmp_path, tmp_path_factor
         for limit in (30 if file.endswith("mp4") else 4, 0):
             # Matplotlib cannot be imported with an unknown backend in the environment; the program chooses its own.
             words, before = arguments.replace("RUN.npz", str(run)).split(), f"ulimit -f {limit};"
-            code, out, err = program(*words, "-o", file, before=before, folder=tmp_path, MPLBACKEND="bogus")
+            code, out, err = program(
+                *words, "-o", file, before=before, folder=tmp_path, MPLBACKEND="bogus"
+            )
             assert (code, out) == (1, ""), file
             assert_one_line(err, "cannot write ")
             assert names(tmp_path) == [file]
@@ -349,8 +394,14 @@ NO_NUMBERS = HEAVY | {"numpy", "email", "importlib.metadata", "pymunk_dragon.mod
 def test_command_imports_only_what_it_uses(commands, tmp_path):
     for arguments, absent in commands.items():
         command = [sys.executable, "-X", "importtime", *PROGRAM[1:], *arguments.split()]
-        told = subprocess.run(command, capture_output=True, text=True, check=True, cwd=tmp_path).stderr
-        imported = {line.rpartition("|")[2].strip() for line in told.splitlines() if line.startswith("import time:")}
+        told = subprocess.run(
+            command, capture_output=True, text=True, check=True, cwd=tmp_path
+        ).stderr
+        imported = {
+            line.rpartition("|")[2].strip()
+            for line in told.splitlines()
+            if line.startswith("import time:")
+        }
         assert "pymunk_dragon.cli" in imported
         assert imported.isdisjoint(absent), arguments
 
@@ -361,8 +412,21 @@ def test_command_imports_only_what_it_uses(commands, tmp_path):
 @pytest.mark.thorough
 def test_film_that_is_interrupted_leaves_no_file_and_no_process(tmp_path):
     for name in [f"film{ending}" for ending in FILM_ENDINGS]:
-        command = [*PROGRAM, "render", "--until", "400", "--speedup", "0.5", "--size", "96", "-o", tmp_path / name]
-        with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True) as process:
+        command = [
+            *PROGRAM,
+            "render",
+            "--until",
+            "400",
+            "--speedup",
+            "0.5",
+            "--size",
+            "96",
+            "-o",
+            tmp_path / name,
+        ]
+        with subprocess.Popen(
+            command, stderr=subprocess.PIPE, text=True, start_new_session=True
+        ) as process:
             wait_until(process, lambda: names(tmp_path))
             children = psutil.Process(process.pid).children(recursive=True)
             os.killpg(process.pid, signal.SIGINT)  # A terminal sends it to all of them.

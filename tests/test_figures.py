@@ -32,7 +32,9 @@ OTHERS = {"u-turn": Run.exact(U_TURN, np.linspace(-20, 20, 5)), "tractor": TRACT
 @cache
 def run():
     """The last seconds before the paper's contact, as the engine plays them: quick, and rough."""
-    return shared_run("rough", lambda: simulate(March(Dragon(benches=40)), start=400, substep=0.02, iterations=15))
+    return shared_run(
+        "rough", lambda: simulate(March(Dragon(benches=40)), start=400, substep=0.02, iterations=15)
+    )
 
 
 def source_of(name):
@@ -58,7 +60,11 @@ def words(drawing):
 
 
 @pytest.mark.parametrize(
-    "name", ["grid", *(pytest.param(name, marks=pytest.mark.thorough) for name in FIGURES if name != "grid")]
+    "name",
+    [
+        "grid",
+        *(pytest.param(name, marks=pytest.mark.thorough) for name in FIGURES if name != "grid"),
+    ],
 )
 def test_figure_has_the_same_bytes_in_each_format_whatever_the_settings(name, tmp_path):
     for ending in (".png", ".svg", ".pdf") if name in CHARTS else (".png",):
@@ -83,7 +89,9 @@ def test_spiral_is_that_of_the_paper_with_a_dot_each_minute():
     for way in (walked, ahead):
         radius = np.hypot(*way.T)
         angle = radius * 2 * np.pi / 0.55
-        np.testing.assert_allclose(way.T, radius * np.stack([np.cos(angle), np.sin(angle)]), atol=1e-9)
+        np.testing.assert_allclose(
+            way.T, radius * np.stack([np.cos(angle), np.sin(angle)]), atol=1e-9
+        )
     np.testing.assert_allclose(walked[[0, -1]], [(8.8, 0), ahead[0]], atol=1e-9)
     np.testing.assert_allclose(ahead[-1], 0, atol=1e-3)
     # A chord of the drawn line is a little shorter than the arc.
@@ -95,13 +103,17 @@ def test_handles_end_where_the_contact_stops_them_with_the_velocities_of_the_exa
     states = March().at(CONTACT_TIME)
     places, velocities = states.positions[0, HANDLES], states.velocities[0, HANDLES]
     for handle, place in zip(HANDLES, places, strict=True):
-        np.testing.assert_allclose(line(drawn("trajectories"), f"path-{handle}")[:, -1], place, atol=1e-8)
+        np.testing.assert_allclose(
+            line(drawn("trajectories"), f"path-{handle}")[:, -1], place, atol=1e-8
+        )
     # An endless curve is shown for as long as a run.
     way = line(figure("trajectories", OTHERS["u-turn"]), "path-0").T
     np.testing.assert_allclose(way[[0, -1]], U_TURN.at([-20, 20]).positions[:, 0], atol=1e-9)
     arrows = artist(drawn("velocities"), "velocities")
     tips = np.column_stack([arrows.U, arrows.V])
-    np.testing.assert_allclose(tips / np.hypot(*tips[0]), velocities / np.hypot(*velocities[0]), atol=1e-7)
+    np.testing.assert_allclose(
+        tips / np.hypot(*tips[0]), velocities / np.hypot(*velocities[0]), atol=1e-7
+    )
     np.testing.assert_allclose(arrows.XY, places, atol=1e-8)
     for handle, speed in zip(HANDLES, np.hypot(*velocities.T), strict=True):
         assert f"handle {handle}: {speed:.3f} m/s" in words(drawn("velocities"))
@@ -119,7 +131,11 @@ def test_cells_of_the_grid_are_shaded_as_shapely_finds_benches_in_them():
         apart = {(one, other) for one, other in combinations(benches, 2) if other - one > 1}
         assert shown[i, j] == (3 if apart else min(len(benches), 2)), (i, j, benches)
         candidates |= apart
-    assert drawing.texts[0].get_text().startswith(f"{len(candidates)} of 105 pairs of benches that share no hole")
+    assert (
+        drawing.texts[0]
+        .get_text()
+        .startswith(f"{len(candidates)} of 105 pairs of benches that share no hole")
+    )
     for bench, outline in enumerate(outlines):
         patch = artist(drawing, f"bench-{bench}")
         np.testing.assert_allclose(patch.get_xy(), outline.exterior.coords, atol=1e-8)
@@ -134,12 +150,21 @@ def test_gaps_are_those_of_shapely_and_smallest_where_the_exact_model_says():
     # At the contact there is no gap, and the line leaves the scale.
     assert times[-1] == pytest.approx(CONTACT_TIME, abs=1e-9)
     assert gaps[-1] < artist(drawing, "gap").axes.get_ylim()[0] / 5
-    labels = ("bench 9: 2.957 mm\nat 406.847 s", "bench 11: 0.865 mm\nat 409.832 s", "contact\nat 412.4738 s")
+    labels = (
+        "bench 9: 2.957 mm\nat 406.847 s",
+        "bench 11: 0.865 mm\nat 409.832 s",
+        "contact\nat 412.4738 s",
+    )
     assert all(label in words(drawing) for label in labels)
-    for name, benches in (("gap", range(2, 223)), *((f"gap-{bench}", [bench]) for bench in (8, 9, 10, 11))):
+    for name, benches in (
+        ("gap", range(2, 223)),
+        *((f"gap-{bench}", [bench]) for bench in (8, 9, 10, 11)),
+    ):
         for time, gap in line(drawing, name).T[:-1:200]:
             head, *others = map(shapely.Polygon, march.dragon.outlines(march.at(time).poses[0]))
-            assert gap == pytest.approx(min(head.distance(others[bench - 1]) for bench in benches), abs=1e-10)
+            assert gap == pytest.approx(
+                min(head.distance(others[bench - 1]) for bench in benches), abs=1e-10
+            )
 
 
 def test_speeds_are_those_of_the_exact_model_at_the_times_beside_their_lines():
@@ -163,7 +188,9 @@ def test_drift_and_impulses_are_those_of_the_run():
     for rank, each in enumerate(drawn("impulses").axes[0].get_lines()):
         frame = int(np.abs(played.times - float(each.get_label().removesuffix(" s"))).argmin())
         assert played.times[frame] < played.times[-1]
-        np.testing.assert_allclose(line(drawn("impulses"), f"impulse-{rank}")[1], played.joint_forces[frame])
+        np.testing.assert_allclose(
+            line(drawn("impulses"), f"impulse-{rank}")[1], played.joint_forces[frame]
+        )
 
 
 def test_only_the_picture_of_the_collision_shows_a_contact(tmp_path, monkeypatch):
@@ -173,7 +200,9 @@ def test_only_the_picture_of_the_collision_shows_a_contact(tmp_path, monkeypatch
         write_figure(name, tmp_path / f"{name}.png")
         with Image.open(tmp_path / f"{name}.png") as picture:
             pixels = np.asarray(picture.convert("RGB"))
-        counts[name] = [np.all(pixels == Palette().rgb(part), axis=-1).sum() for part in ("body", "contact")]
+        counts[name] = [
+            np.all(pixels == Palette().rgb(part), axis=-1).sum() for part in ("body", "contact")
+        ]
     assert counts["outer-loop"][1] == counts["inward"][1] == 0
     # Bench 8 is as long as 13 others, which are blue as far as they are in sight.
     assert counts["collision"][1] > counts["collision"][0] / 13 > 0
@@ -202,7 +231,12 @@ def check_texts(drawing, border=10):
     return [text.get_text() for text, _ in seen]
 
 
-UNITS = {"spiral": "y (m)", "grid": "cells of 0.55 m", "trajectories": "412.47 s", "velocities": "m/s"}
+UNITS = {
+    "spiral": "y (m)",
+    "grid": "cells of 0.55 m",
+    "trajectories": "412.47 s",
+    "velocities": "m/s",
+}
 UNITS |= {"gap": "mm", "speeds": "m/s", "drift": "\N{MICRO SIGN}m", "impulses": "N"}
 
 
@@ -211,12 +245,21 @@ UNITS |= {"gap": "mm", "speeds": "m/s", "drift": "\N{MICRO SIGN}m", "impulses": 
 def test_texts_of_a_figure_are_large_do_not_overlap_and_tell_the_units(name, lang):
     shown = " ".join(check_texts(drawn(name, lang)))
     english = set(re.findall("[A-Za-z]+", shown))
-    assert UNITS[name] in shown if lang == "en" else english <= {"m", "mm", "nm", "ms", "s", "N", "x", "y", "i", "j"}
+    assert (
+        UNITS[name] in shown
+        if lang == "en"
+        else english <= {"m", "mm", "nm", "ms", "s", "N", "x", "y", "i", "j"}
+    )
 
 
 @pytest.mark.thorough
 def test_texts_of_other_figures_do_not_overlap(tmp_path):
-    for found in (min_pitch(), min_pitch(radius=8.0), max_speed(), u_turn(Dragon(benches=25), search=False)):
+    for found in (
+        min_pitch(),
+        min_pitch(radius=8.0),
+        max_speed(),
+        u_turn(Dragon(benches=25), search=False),
+    ):
         for lang in ("en", "zh"):
             with in_language(lang):
                 assert len(check_texts(found.plot())) > 5

@@ -87,7 +87,9 @@ def drawn(source, film):
 def test_file_shows_exactly_what_was_drawn_for_as_long_as_it_should(run, tmp_path, ending):
     for size, fps in (((160, 120), 10), ((97, 131), 7), ((64, 64), 24)):
         path, told = tmp_path / f"film{ending}", []
-        film = Film(size=size, fps=fps, speedup=5, hold=1.5, camera=HEAD, show=("velocities", "grid"))
+        film = Film(
+            size=size, fps=fps, speedup=5, hold=1.5, camera=HEAD, show=("velocities", "grid")
+        )
         render(run, path, film, progress=lambda *step, told=told: told.append(step))
         shown, expected = list(frames(path)), drawn(run, film)
         assert sum(ms for _, ms in shown) == 10 / 5 * 1000 + 1500, fps
@@ -112,7 +114,9 @@ def test_equal_frames_stay_as_long_as_they_should(tmp_path, ending):
     for picture in (first, second):
         picture.putpalette(colour_table().tobytes())
     path, pictures = tmp_path / f"film{ending}", iter((first, first, first, second, second))
-    WRITERS[ending](path, Frames(pictures=pictures, ends=[0.1, 0.2, 0.3, 0.4, 0.5], size=first.size, fps=10))
+    WRITERS[ending](
+        path, Frames(pictures=pictures, ends=[0.1, 0.2, 0.3, 0.4, 0.5], size=first.size, fps=10)
+    )
     for picture, expected in ((first, 300), (second, 200)):
         pixels = np.asarray(picture.convert("RGB"))
         assert sum(ms for frame, ms in frames(path) if np.array_equal(frame, pixels)) == expected
@@ -200,7 +204,10 @@ def test_error_of_the_users_own_code_is_raised_as_it_is_and_leaves_nothing(tmp_p
             OutputError("mine", "my own"),
             OverflowError("mine"),
         ):
-            assert refusal(render, MARCH, path, size=64, until=9, progress=stop, error=type(error)) is error
+            assert (
+                refusal(render, MARCH, path, size=64, until=9, progress=stop, error=type(error))
+                is error
+            )
         assert path.read_bytes() == b"old"
     assert len(list(tmp_path.iterdir())) == len(FILM_ENDINGS)
     assert [child for child in psutil.Process().children() if "ffmpeg" in child.name()] == []
@@ -218,7 +225,13 @@ def test_bad_parameters_are_refused(run, tmp_path):
     cases = [("fps", value) for value in (51, 24.5, 0, "fast", True)]
     cases += [("speedup", value) for value in (0, float("nan"), 1e-5)]
     cases += [("size", value) for value in (63, 5000, (640, 0), (640, 640, 3), 640.5)]
-    cases += [("hold", -1), ("hold", float("inf")), ("start", -1), ("start", float("nan")), ("until", 11)]
+    cases += [
+        ("hold", -1),
+        ("hold", float("inf")),
+        ("start", -1),
+        ("start", float("nan")),
+        ("until", 11),
+    ]
     cases += [("title", 3), ("title", UNKNOWN), ("caption", "w" * 10_001), ("camera", "head")]
     cases += [("headings", value) for value in (("a", None), ("one", "too many"), (UNKNOWN,))]
     cases += [("show", value) for value in (("shadows",), "grid", ("impulses",))]
@@ -228,12 +241,17 @@ def test_bad_parameters_are_refused(run, tmp_path):
         ("size", run, "film.webp", {"size": 2048, "speedup": 0.5}),
         ("size", [run] * 9, "film.webp", {"size": 2048}),
     ]
-    calls += [("until", run, "film.gif", {"start": 5, "until": 4}), ("until", [MARCH, MARCH], "film.gif", {})]
+    calls += [
+        ("until", run, "film.gif", {"start": 5, "until": 4}),
+        ("until", [MARCH, MARCH], "film.gif", {}),
+    ]
     calls += [("output", run, name, {}) for name in ("film.avi", "film", "nowhere/film.gif")]
     calls += [("source", source, "film.gif", {"until": 1}) for source in ([], "run.npz", [1], None)]
     for name, source, file, options in calls:
         assert refusal(render, source, tmp_path / file, **options).name == name, options
-    refusal(render, MARCH, tmp_path / "film.gif", until=1000, error=DragonError)  # past the end of the curve
+    refusal(
+        render, MARCH, tmp_path / "film.gif", until=1000, error=DragonError
+    )  # past the end of the curve
     assert list(tmp_path.iterdir()) == []
     render(run, tmp_path / "film.mp4", fps=60, until=0.5, speedup=1, size=64)
 
@@ -247,7 +265,9 @@ def test_film_of_the_paper_s_march_is_short_and_slows_down_towards_near_misses_a
     assert timing.times[-1] == CONTACT
     np.testing.assert_allclose(np.diff(timing.ends[:-1]), 1 / timing.fps)
     assert timing.ends[-1] - timing.ends[-2] == pytest.approx(2.5)
-    near = {time: travel[np.searchsorted(timing.times, time) - 2] for time in (*NEAR_MISSES, CONTACT)}
+    near = {
+        time: travel[np.searchsorted(timing.times, time) - 2] for time in (*NEAR_MISSES, CONTACT)
+    }
     assert max(near.values()) < travel.max() / 4
     between = travel[np.searchsorted(timing.times, np.mean(NEAR_MISSES)) - 2]
     assert between > 1.5 * max(near[time] for time in NEAR_MISSES)
@@ -261,14 +281,18 @@ def test_given_parameters_of_the_time_are_kept(seed, run):
     assert np.diff(timing_of(seed, Film(camera=HEAD)).times).max() <= 0.2
     assert timing_of(seed, Film(fps=10)).fps == 10
     np.testing.assert_allclose(np.diff(timing_of(seed, Film(speedup=20)).times)[:-1], 1)
-    np.testing.assert_allclose(timing_of(run, Film(fps=10, speedup=10, start=3, until=6)).times, [3, 4, 5, 6])
+    np.testing.assert_allclose(
+        timing_of(run, Film(fps=10, speedup=10, start=3, until=6)).times, [3, 4, 5, 6]
+    )
 
 
 def test_films_of_short_and_long_and_changing_marches_have_a_bearable_length(run):
     assert timing_of(run, Film()).ends[-1] == pytest.approx(8)
     # Half of real time, and the last frame.
     assert timing_of(MARCH, Film(until=1.0)).ends[-1] == pytest.approx(2 * 1.0 + 2.5)
-    long = timing_of(Run.exact(March(Dragon(benches=3), turns=80), np.linspace(0, 8000, 101)), Film(start=0))
+    long = timing_of(
+        Run.exact(March(Dragon(benches=3), turns=80), np.linspace(0, 8000, 101)), Film(start=0)
+    )
     assert long.ends[-1] == pytest.approx(62.5, abs=0.05)
     march = March(Dragon(benches=16), turns=16, speed=SpeedTable((0, 100, 200), (0.2, 2.0, 0.2)))
     changing = timing_of(Run.exact(march, np.linspace(0, 200, 101)), Film())
@@ -321,14 +345,19 @@ def test_march_is_shown_until_its_first_contact_or_for_a_minute(tmp_path):
 
 def test_film_slows_down_once_for_the_events_of_all_its_sources(seed):
     film = Film(start=300)
-    played, exact = timing_of(seed, film).times, timing_of(March(), replace(film, until=412.4739)).times
+    played, exact = (
+        timing_of(seed, film).times,
+        timing_of(March(), replace(film, until=412.4739)).times,
+    )
     np.testing.assert_allclose(played, exact, atol=1e-3)
     # An unguided run does not have the near misses of the exact model.
     unguided = replace(seed, provenance={"player": "pymunk", "guide": "none", "free_from": 1})
     fewer = len(played) - len(timing_of(unguided, film).times)
     assert fewer == pytest.approx(2 * film.fps, rel=0.1)
     later = replace(seed, first_contact=replace(seed.first_contact, time=CONTACT - 1e-4))
-    assert np.array_equal(timing_of([seed, later, seed.march], film).times, timing_of(later, film).times)
+    assert np.array_equal(
+        timing_of([seed, later, seed.march], film).times, timing_of(later, film).times
+    )
 
 
 def test_two_runs_stand_side_by_side_from_the_same_distance_until_both_are_over(run, tmp_path):
@@ -348,8 +377,13 @@ def test_two_runs_stand_side_by_side_from_the_same_distance_until_both_are_over(
 def test_title_and_caption_stand_outside_the_picture_in_as_many_lines_as_they_need(run):
     plain = still(run, 4.0, Film(size=200))
     titled = still(run, 4.0, Film(size=200, title="A title", caption="A caption"))
-    assert any(np.array_equal(titled[top : top + 200], plain) for top in range(1, len(titled) - 200))
-    heights = [len(still(run, 4.0, Film(size=200, caption=text))) for text in ("word ", "word " * 40, "w" * 60)]
+    assert any(
+        np.array_equal(titled[top : top + 200], plain) for top in range(1, len(titled) - 200)
+    )
+    heights = [
+        len(still(run, 4.0, Film(size=200, caption=text)))
+        for text in ("word ", "word " * 40, "w" * 60)
+    ]
     assert heights[0] < min(heights[1:])
     assert UNKNOWN in str(refusal(still, run, 4.0, Film(title=UNKNOWN)))
 
@@ -364,10 +398,22 @@ def brute_force(text, height, width):
 
 
 def test_title_has_the_longest_lines_that_fit():
-    for text in ("", "A title", "Benches, in contact " * 3, "w" * 50, "well-known co-operation i W " * 2 + "x" * 30):
+    for text in (
+        "",
+        "A title",
+        "Benches, in contact " * 3,
+        "w" * 50,
+        "well-known co-operation i W " * 2 + "x" * 30,
+    ):
         for height, width in ((15, 64), (20, 150), (31, 400)):
-            found, expected = (wrap(text, height, width) for wrap in (lettering.wrapped, brute_force))
-            assert list(map(np.array_equal, found, expected)) == [True] * len(expected), (text, height, width)
+            found, expected = (
+                wrap(text, height, width) for wrap in (lettering.wrapped, brute_force)
+            )
+            assert list(map(np.array_equal, found, expected)) == [True] * len(expected), (
+                text,
+                height,
+                width,
+            )
 
 
 def test_work_for_a_title_of_one_word_grows_with_its_length_only(monkeypatch):
@@ -408,7 +454,9 @@ def texts(monkeypatch):
     """Lines that are written into pictures."""
     written = []
     line = lettering.line
-    monkeypatch.setattr(lettering, "line", lambda text, height: written.append(text) or line(text, height))
+    monkeypatch.setattr(
+        lettering, "line", lambda text, height: written.append(text) or line(text, height)
+    )
     return written
 
 
@@ -463,19 +511,30 @@ def test_no_two_bench_colours_look_alike_to_anyone_or_in_grey():
     # Machado, Oliveira and Fernandes 2009, severity 1, on linear light.
     visions = {
         "normal": np.eye(3),
-        "deuteranope": np.array([[0.367, 0.861, -0.228], [0.280, 0.673, 0.047], [-0.012, 0.043, 0.969]]),
-        "protanope": np.array([[0.152, 1.053, -0.205], [0.115, 0.786, 0.099], [-0.004, -0.048, 1.052]]),
+        "deuteranope": np.array(
+            [[0.367, 0.861, -0.228], [0.280, 0.673, 0.047], [-0.012, 0.043, 0.969]]
+        ),
+        "protanope": np.array(
+            [[0.152, 1.053, -0.205], [0.115, 0.786, 0.099], [-0.004, -0.048, 1.052]]
+        ),
     }
-    colours = np.array([COLOURS.rgb(name) for name in ("head", "body", "tail", "contact", "background")])
+    colours = np.array(
+        [COLOURS.rgb(name) for name in ("head", "body", "tail", "contact", "background")]
+    )
     for vision, matrix in visions.items():
         seen = 255 * np.clip((colours / 255) ** 2.2 @ matrix.T, 0, 1) ** (1 / 2.2)
-        distances = np.linalg.norm(seen[:, None] - seen[None], axis=-1)[np.triu_indices(len(seen), 1)]
+        distances = np.linalg.norm(seen[:, None] - seen[None], axis=-1)[
+            np.triu_indices(len(seen), 1)
+        ]
         assert distances.min() > 60, vision
     assert np.diff(np.sort(colours @ (0.299, 0.587, 0.114))).min() > 255 / 7
 
 
 def test_bad_cameras_marks_and_times_are_refused(run, tmp_path):
-    cases = [(name, Camera, {name: value}) for name, value in [("span", 0), ("span", float("inf")), ("follow", "tail")]]
+    cases = [
+        (name, Camera, {name: value})
+        for name, value in [("span", 0), ("span", float("inf")), ("follow", "tail")]
+    ]
     cases += [("time", still, {"source": run, "time": 11.0})]
     cases += [("until", render, {"source": run, "until": 11.0, "path": tmp_path / "still.png"})]
     for mark in ("contacts", "impulses"):
@@ -483,7 +542,9 @@ def test_bad_cameras_marks_and_times_are_refused(run, tmp_path):
     for name, call, arguments in cases:
         assert refusal(call, **arguments).name == name
     render(run, tmp_path / "still.png", size=120, until=4.0)
-    np.testing.assert_array_equal(iio.imread(tmp_path / "still.png"), still(run, 4.0, Film(size=120)))
+    np.testing.assert_array_equal(
+        iio.imread(tmp_path / "still.png"), still(run, 4.0, Film(size=120))
+    )
 
 
 def test_camera_stays_above_the_head_or_shows_every_bench(run):
@@ -504,12 +565,18 @@ def test_legend_and_scale_bar_are_below_the_picture(texts):
     with_legend, without = still(MARCH, 1.0, film), still(MARCH, 1.0, replace(film, legend=False))
     assert without.shape == still(MARCH, 1.0, Film(size=480, legend=False)).shape == (480, 480, 3)
     np.testing.assert_array_equal(with_legend[:480], without)
-    assert [count(with_legend[480:], name) > 50 for name in ("head", "body", "tail")] == [True, True, False]
+    assert [count(with_legend[480:], name) > 50 for name in ("head", "body", "tail")] == [
+        True,
+        True,
+        False,
+    ]
     assert {"head", "body", "1 m", "head 1.00 m/s"} <= set(texts)
     assert not {"in contact", "tail"} & set(texts)  # neither is in view
     # The longest horizontal line of the strip, with its ends, is as long as it says.
     strip = np.all(with_legend[480:] == np.rint(COLOURS.rgb("ink")), axis=-1)
-    longest = max(len(run) for row in strip for run in "".join(" x"[int(pixel)] for pixel in row).split())
+    longest = max(
+        len(run) for row in strip for run in "".join(" x"[int(pixel)] for pixel in row).split()
+    )
     assert longest - 1 == round(480 / 6.0)
     assert still(MARCH, 1.0, Film(size=200)).shape == (200, 200, 3)  # too narrow for a legend
 
@@ -535,7 +602,10 @@ def test_pictures_look_as_they_did(seed, golden):
     films = {
         "field": (seed, Film(size=330, show=("velocities", "grid"))),
         "contact": (seed, Film(size=330, camera=HEAD, show=("grid", "contacts"))),
-        "u-turn": (March(Dragon(benches=40), UTurn()), Film(size=(330, 200), title="A turn", camera=Camera(span=20.0))),
+        "u-turn": (
+            March(Dragon(benches=40), UTurn()),
+            Film(size=(330, 200), title="A turn", camera=Camera(span=20.0)),
+        ),
     }
     for name, (source, film) in films.items():
         time = CONTACT if source is seed else 20.0
@@ -543,14 +613,20 @@ def test_pictures_look_as_they_did(seed, golden):
     if features.check("raqm"):  # Without FriBidi on the system, Pillow spaces Chinese otherwise.
         with in_language("zh"):
             film = Film(size=330, camera=HEAD, title="\u677f\u51f3\u9f99")
-            golden(Image.fromarray(still([displaced(seed), seed.march], 410.0, film)), "films/errors")
+            golden(
+                Image.fromarray(still([displaced(seed), seed.march], 410.0, film)), "films/errors"
+            )
 
 
 def test_contacts_are_shown_while_benches_touch(seed, small_run):
     [window] = [window for window in small_run.events.windows() if window.end is not None]
     film = Film(size=200, camera=HEAD, show=("contacts",))
     middle = (window.begin + window.end) / 2
-    for time, touching in ((window.begin - 0.05, False), (middle, True), (window.end + 0.05, False)):
+    for time, touching in (
+        (window.begin - 0.05, False),
+        (middle, True),
+        (window.end + 0.05, False),
+    ):
         assert (count(still(small_run, time, film), "force") > 0) is touching
     # Where nothing is logged, the refined first contact is shown.
     picture, place = shown(seed, CONTACT, film)
@@ -566,4 +642,7 @@ def test_area_of_a_disc_is_in_proportion_to_the_impulse_of_the_frame_before(run)
     areas = [count(near(picture, xy, 40), "force") for xy in place(rear[:2])]
     assert areas[0] / areas[1] == pytest.approx(4.0, rel=0.1)
     pulled = replace(run, joint_forces=np.where(run.times >= 5, 1.0, 0.0)[:, None] * np.ones(15))
-    assert [count(still(pulled, time, film), "force") > 1000 for time in (4.999, 5.0)] == [False, True]
+    assert [count(still(pulled, time, film), "force") > 1000 for time in (4.999, 5.0)] == [
+        False,
+        True,
+    ]

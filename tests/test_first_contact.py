@@ -14,11 +14,31 @@ from hypothesis import assume, given, reject
 from hypothesis import strategies as st
 from marches import DRAWN, bent
 
-from pymunk_dragon import Contact, Dragon, March, SpeedTable, first_contact, max_speed, outlines, scan, simulate
+from pymunk_dragon import (
+    Contact,
+    Dragon,
+    March,
+    SpeedTable,
+    first_contact,
+    max_speed,
+    outlines,
+    scan,
+    simulate,
+)
 from pymunk_dragon.collision.bounds import UNPROVEN_ROUNDING, Intervals, MotionBounds
 from pymunk_dragon.collision.first_contact import _near_misses
 from pymunk_dragon.errors import DragonError, ParameterError, UnreachableError
-from pymunk_dragon.model.curves import Arc, Composite, Line, Reversed, Sampled, Section, Spiral, UTurn, sampled
+from pymunk_dragon.model.curves import (
+    Arc,
+    Composite,
+    Line,
+    Reversed,
+    Sampled,
+    Section,
+    Spiral,
+    UTurn,
+    sampled,
+)
 from pymunk_dragon.physics.substep import Motion
 
 SIZES = ("head_spacing", "body_spacing", "overhang", "width")
@@ -28,8 +48,14 @@ TIGHT = March(Dragon(benches=30), Spiral(pitch=0.31), turns=8)
 @pytest.mark.thorough
 @pytest.mark.parametrize(("width", "benches"), [(0.3, (0, 8)), (0.301, (0, 11))])
 def test_ipc_toolkit_finds_the_same_first_contact(width, benches):
-    judge, march = pytest.importorskip("outside_judge", reason="needs ipctk"), March(Dragon(width=width))
-    (cleared, closest), found = judge.cleared_by_ipc_toolkit(march, 400.0, 413.0), first_contact(march)
+    judge, march = (
+        pytest.importorskip("outside_judge", reason="needs ipctk"),
+        March(Dragon(width=width)),
+    )
+    (cleared, closest), found = (
+        judge.cleared_by_ipc_toolkit(march, 400.0, 413.0),
+        first_contact(march),
+    )
     assert found.benches == closest == benches
     # It clears all but its last steps; the certified time itself is accurate to 1e-11 s.
     assert -1e-11 < found.time - cleared < 1e-9
@@ -43,14 +69,18 @@ def seed_impact(seed_march):
 def polygons(march, times, handles=None):
     """Benches (T, N) as Shapely has them."""
     poses = march.at(times, handles).poses
-    return shapely.polygons(outlines(poses, march.dragon.lengths[: poses.shape[1]], march.dragon.width))
+    return shapely.polygons(
+        outlines(poses, march.dragon.lengths[: poses.shape[1]], march.dragon.width)
+    )
 
 
 def gaps(march, times):
     """Gaps (T, P) of all pairs that are not neighbours, and the pairs (P, 2)."""
     benches = polygons(march, times)
     first, second = np.triu_indices(march.dragon.benches, 2)
-    return shapely.distance(benches[:, first], benches[:, second]), np.stack([first, second], axis=-1)
+    return shapely.distance(benches[:, first], benches[:, second]), np.stack(
+        [first, second], axis=-1
+    )
 
 
 def assert_first(march, found, samples, tolerance):
@@ -72,7 +102,9 @@ def exact_gap(march, time, pair):
     """The gap of two benches in 50 digits."""
     sizes = {name: oracle.exact(getattr(march.dragon, name)) for name in SIZES}
     with mp.workdps(oracle.DIGITS):
-        return oracle.gap(oracle.exact(time), pair, sizes | {"pitch": oracle.exact(march.curve.pitch)})
+        return oracle.gap(
+            oracle.exact(time), pair, sizes | {"pitch": oracle.exact(march.curve.pitch)}
+        )
 
 
 def test_seed_meets_bench_8_at_the_time_of_many_digits(seed_march, seed_impact):
@@ -97,7 +129,9 @@ def test_seed_point_and_normal_are_where_the_two_touch(seed_march, seed_impact):
 def test_seed_passes_benches_9_and_11_without_touching(seed_march, seed_impact):
     assert [miss.benches for miss in seed_impact.near_misses] == [(0, 9), (0, 11)]
     for miss, begin in zip(seed_impact.near_misses, (406.5, 409.5), strict=True):
-        times = np.union1d(np.linspace(begin, begin + 0.7, 701), miss.time + np.linspace(-2e-3, 2e-3, 401))
+        times = np.union1d(
+            np.linspace(begin, begin + 0.7, 701), miss.time + np.linspace(-2e-3, 2e-3, 401)
+        )
         benches = polygons(seed_march, times, 13)
         apart = shapely.distance(benches[:, 0], benches[:, miss.benches[1]])
         assert miss.gap == pytest.approx(apart.min(), abs=1e-9)
@@ -159,7 +193,13 @@ def test_dragon_of_another_size_or_speed_does_the_same_at_its_scale(seed_impact)
 
 def test_march_without_a_contact_is_clear_until_the_end(seed_march):
     found = first_contact(seed_march, until=300)
-    assert (found.status, found.time, found.benches, found.point, found.normal) == ("clear", 300, None, None, None)
+    assert (found.status, found.time, found.benches, found.point, found.normal) == (
+        "clear",
+        300,
+        None,
+        None,
+        None,
+    )
     assert found.contact is None
     wide = March(Dragon(benches=8), Spiral(pitch=5.8), turns=2.5)
     found = first_contact(wide)
@@ -192,7 +232,10 @@ def test_march_past_the_last_place_is_unreachable_there(seed_impact):
     last = first_contact(STUCK[0], until=1e6).time
     assert last == first_contact(STUCK[0]).time
     # No near miss is searched where the chain has no state.
-    assert _near_misses(STUCK[0], np.array([[0, 2, last - 1e-10, 2e-10, 0.001, 0]]), 0, last, 0.01) == ()
+    assert (
+        _near_misses(STUCK[0], np.array([[0, 2, last - 1e-10, 2e-10, 0.001, 0]]), 0, last, 0.01)
+        == ()
+    )
     assert first_contact(March(Dragon(benches=2), turns=4)).status == "unreachable"
 
 
@@ -222,7 +265,10 @@ def test_a_curve_is_marched_to_its_end_and_no_further(march):
         (end + 1e6, "unreachable"),
     ):
         run = simulate(march, start=start, until=until)
-        found = [first_contact(march, start=start, until=until), scan(march, start=start, until=until)]
+        found = [
+            first_contact(march, start=start, until=until),
+            scan(march, start=start, until=until),
+        ]
         assert [run.outcome, *(each.status for each in found)] == 3 * [status], until
         assert end - run.settings.substep - 1e-9 <= run.times[-1] <= end + 1e-9
 
@@ -237,12 +283,22 @@ def test_benches_that_overlap_at_the_start_are_said_to():
 @st.composite
 def marches(draw):
     """Marches on spirals on which the dragon can start."""
-    lengths = {"head_spacing": (0.7, 4), "body_spacing": (0.7, 3), "overhang": (0.05, 0.3), "width": (0.05, 0.5)}
+    lengths = {
+        "head_spacing": (0.7, 4),
+        "body_spacing": (0.7, 3),
+        "overhang": (0.05, 0.3),
+        "width": (0.05, 0.5),
+    }
     sizes = {name: draw(st.floats(*ends)) for name, ends in lengths.items()}
     pitch = draw(st.one_of(st.floats(0.4, 1), st.floats(0.5, 6)))
     try:
         dragon = Dragon(benches=draw(st.integers(3, 20)), **sizes)
-        return March(dragon, Spiral(pitch=pitch), turns=draw(st.floats(1.5, 7)), speed=draw(st.floats(0.5, 3)))
+        return March(
+            dragon,
+            Spiral(pitch=pitch),
+            turns=draw(st.floats(1.5, 7)),
+            speed=draw(st.floats(0.5, 3)),
+        )
     except DragonError:
         reject()
 
@@ -257,7 +313,11 @@ def test_nothing_touches_before_the_answer_and_every_near_miss_is_told(march):
     times, apart, pairs = assert_first(march, found, 800, 1e-11)
     # All smallest gaps below a thirtieth of the width are near misses; other benches repeat what bench 1 did.
     near = march.dragon.width / 30
-    told = {(*miss.benches, k) for miss in found.near_misses for k in [np.searchsorted(times, miss.time)]}
+    told = {
+        (*miss.benches, k)
+        for miss in found.near_misses
+        for k in [np.searchsorted(times, miss.time)]
+    }
     smallest = (apart[1:-1] < apart[:-2]) & (apart[1:-1] <= apart[2:]) & (apart[1:-1] < near - 1e-6)
     for row, column in np.argwhere(smallest & (pairs[:, 0] < 2)):
         around = {(*pairs[column].tolist(), row + 1 + step) for step in (-1, 0, 1, 2)}
@@ -286,7 +346,12 @@ def test_benches_stay_within_their_bounds(march, share, exponent):
     assert np.all(np.delete(apart, columns, axis=1) > 0)
     found = motion.separations(rows, pairs)
     open_ = found.distance > 0
-    rows, pairs, normals, columns = rows[open_], pairs[open_], found.normal[open_], np.array(columns, dtype=int)[open_]
+    rows, pairs, normals, columns = (
+        rows[open_],
+        pairs[open_],
+        found.normal[open_],
+        np.array(columns, dtype=int)[open_],
+    )
     for bound in (motion.smallest_gaps, motion.smallest_gaps_together):
         assert np.all(apart[:, columns].min(axis=0) >= bound(rows, pairs, normals) - 1e-12)
 
@@ -318,7 +383,10 @@ def test_impossible_times_and_settings_are_refused_by_name(seed_march):
 
 @pytest.mark.parametrize(
     ("benches", "width"),
-    [(2_000, 0.01), *(pytest.param(10_000, width, marks=pytest.mark.thorough) for width in (0.01, 0.015))],
+    [
+        (2_000, 0.01),
+        *(pytest.param(10_000, width, marks=pytest.mark.thorough) for width in (0.01, 0.015)),
+    ],
 )
 def test_ten_thousand_short_benches_are_answered_in_seconds(benches, width):
     dragon = Dragon(benches=benches, head_spacing=0.1, body_spacing=0.1, overhang=0.01, width=width)
@@ -332,7 +400,14 @@ def test_ten_thousand_short_benches_are_answered_in_seconds(benches, width):
 
 
 @pytest.mark.parametrize(
-    "seeds", [range(2), *(pytest.param(seeds, marks=pytest.mark.thorough) for seeds in (range(2, 16), range(16, 30)))]
+    "seeds",
+    [
+        range(2),
+        *(
+            pytest.param(seeds, marks=pytest.mark.thorough)
+            for seeds in (range(2, 16), range(16, 30))
+        ),
+    ],
 )
 def test_no_overlap_is_seen_before_the_first_contact_on_random_paths(seeds):
     """Against Shapely, with head benches long enough to jackknife."""
@@ -342,7 +417,12 @@ def test_no_overlap_is_seen_before_the_first_contact_on_random_paths(seeds):
         while march is None:
             path = random_path(rng, pieces=6, tightest=0.6, straight=(8, 14))
             sizes = {"head_spacing": rng.uniform(1.5, 5), "body_spacing": rng.uniform(0.3, 0.6)}
-            dragon = Dragon(benches=int(rng.integers(8, 25)), overhang=0.05, width=rng.uniform(0.05, 0.2), **sizes)
+            dragon = Dragon(
+                benches=int(rng.integers(8, 25)),
+                overhang=0.05,
+                width=rng.uniform(0.05, 0.2),
+                **sizes,
+            )
             try:
                 march = March(dragon, path, start_s=rng.uniform(0.5, 1) * path.end_s)
                 found = first_contact(march)
@@ -358,7 +438,9 @@ def test_no_overlap_is_seen_before_the_first_contact_on_random_paths(seeds):
 
 def equal(benches, spacing, overhang, width=0.3):
     """A dragon of equal benches."""
-    return Dragon(benches=benches, head_spacing=spacing, body_spacing=spacing, overhang=overhang, width=width)
+    return Dragon(
+        benches=benches, head_spacing=spacing, body_spacing=spacing, overhang=overhang, width=width
+    )
 
 
 # Benches in line, 0.279 mm apart, until the first ones reach the arc.
@@ -388,13 +470,17 @@ def test_contacts_that_pymunk_reports_of_benches_apart_are_ignored():
 def test_contact_by_rounding_only_is_at_the_end_of_the_substep():
     dragon = equal(3, 1.5, 0.5, 1.0)
     poses = np.array([[0.0, 0.0, 0.0], [9.0, 9.0, 0.0], [2.5 + 1e-15, 0.0, 0.0]])
-    contact = Contact(time=1.1, raw_time=1.1, benches=(0, 2), point=(1.25, 0.0), normal=(1.0, 0.0), depth=0.0)
+    contact = Contact(
+        time=1.1, raw_time=1.1, benches=(0, 2), point=(1.25, 0.0), normal=(1.0, 0.0), depth=0.0
+    )
     assert Motion(poses, 0 * poses, 0 * poses).refined(dragon, contact, 1.0) == contact
 
 
 def test_constant_gap_is_no_near_miss():
     bend = Arc(centre=(0, 5), radius=5, begin_angle=-math.pi / 2, sweep=1.0)
-    march = March(equal(20, 1.65, 0.82), Composite([Line(start=(-60, 0), stop=(0, 0)), bend]), start_s=40.0)
+    march = March(
+        equal(20, 1.65, 0.82), Composite([Line(start=(-60, 0), stop=(0, 0)), bend]), start_s=40.0
+    )
     for hit in (first_contact(march), first_contact(ALIGNED)):
         assert (hit.status, hit.benches, hit.near_misses) == ("contact", (0, 2), ())
 
@@ -403,12 +489,17 @@ def test_constant_gap_is_no_near_miss():
 def test_sharp_bends_and_unequal_benches_need_few_evaluations_of_the_curve(monkeypatch):
     calls = []
     solved = sampled._solved
-    monkeypatch.setattr(sampled, "_solved", lambda *arguments: calls.append(0) or solved(*arguments))
+    monkeypatch.setattr(
+        sampled, "_solved", lambda *arguments: calls.append(0) or solved(*arguments)
+    )
     points = [(-30, 0), (-20, 0), (-10, 0), (-4, 0)]
     for i in range(6):
         points += [(4 * i, 2.5 * (-1) ** i), (4 * i + 2, 0)]
     spacings = [1.65 * (1 + 0.05 * math.sin(1.7 * i)) for i in range(9)]
-    assert first_contact(March(Dragon(benches=10, body_spacing=spacings), Sampled(points))).status == "clear"
+    assert (
+        first_contact(March(Dragon(benches=10, body_spacing=spacings), Sampled(points))).status
+        == "clear"
+    )
     assert len(calls) < 20_000
 
 
@@ -416,4 +507,8 @@ def test_sharp_bends_and_unequal_benches_need_few_evaluations_of_the_curve(monke
 def test_excess_of_a_long_dragon_of_equal_benches_is_as_documented(radius):
     found = max_speed(equal(100, 1.65, 0.275), radius=radius)
     end = found.curve.end_s if math.isfinite(found.curve.end_s) else found.curve.joints[-1]
-    assert 1e-11 < found.excess <= 1 / math.sqrt(1 - (float(found.curve.curvature(end)) * 1.65 / 2) ** 2) - 1
+    assert (
+        1e-11
+        < found.excess
+        <= 1 / math.sqrt(1 - (float(found.curve.curvature(end)) * 1.65 / 2) ** 2) - 1
+    )

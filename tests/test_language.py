@@ -32,7 +32,9 @@ def outputs(call, capsys, language):
     }
 
 
-def test_main_outputs_are_chinese_where_there_is_a_translation_or_english(call, capsys, tmp_path, monkeypatch):
+def test_main_outputs_are_chinese_where_there_is_a_translation_or_english(
+    call, capsys, tmp_path, monkeypatch
+):
     english, chinese = (outputs(call, capsys, each) for each in ("en", "zh"))
     for name in english:
         assert not CHINESE.search(english[name]), name
@@ -50,9 +52,18 @@ def test_main_outputs_are_chinese_where_there_is_a_translation_or_english(call, 
     assert without | {"lesson": ""} == english | {"lesson": ""}
 
 
-def test_result_in_chinese_has_the_numbers_of_the_english_one_in_80_columns_and_the_same_json(call, tmp_path):
+def test_result_in_chinese_has_the_numbers_of_the_english_one_in_80_columns_and_the_same_json(
+    call, tmp_path
+):
     for command in (
-        *("positions --times 0,60", "positions --paper", "contact --from 412.3", "study", "figure", "demo"),
+        *(
+            "positions --times 0,60",
+            "positions --paper",
+            "contact --from 412.3",
+            "study",
+            "figure",
+            "demo",
+        ),
         "simulate --from 412.3 --until 412.6 --contacts report",
         *("study max-speed --benches 9", "study u-turn --benches 9 --no-search"),
     ):
@@ -61,10 +72,15 @@ def test_result_in_chinese_has_the_numbers_of_the_english_one_in_80_columns_and_
         assert "{" not in chinese
         assert max(map(width, (english + chinese).splitlines())) <= 80, command
         if command != "demo":  # Titles have numbers.
-            found = [NUMBER.findall(re.sub(r"\b\d+\.\d (times|倍)", "", out)) for out in (english, chinese)]
+            found = [
+                NUMBER.findall(re.sub(r"\b\d+\.\d (times|倍)", "", out))
+                for out in (english, chinese)
+            ]
             assert sorted(found[0]) == sorted(found[1]), command
     for command in ("positions --times 0", "contact --until 10", "study", "figure"):
-        assert call(*command.split(), "--json", "--lang", "zh") == call(*command.split(), "--json"), command
+        assert call(*command.split(), "--json", "--lang", "zh") == call(
+            *command.split(), "--json"
+        ), command
     assert call("positions", "--times", "0", "-o", tmp_path / "p.csv", "--lang", "zh")[0] == 0
     assert (tmp_path / "p.csv").read_text().startswith("time_s,handle,x_m,y_m,speed_m_s\n")
 
@@ -101,8 +117,15 @@ def test_font_has_the_characters_of_all_translations(monkeypatch):
         assert text("no such text") == "no such text"
         face = ImageFont.truetype(font(), 20)
         missing = bytes(face.getmask("\U0010ffff"))
-        used = {character for chinese in texts("zh").values() for character in chinese if not character.isspace()}
-        assert {character for character in used if bytes(face.getmask(character)) == missing} == set()
+        used = {
+            character
+            for chinese in texts("zh").values()
+            for character in chinese
+            if not character.isspace()
+        }
+        assert {
+            character for character in used if bytes(face.getmask(character)) == missing
+        } == set()
         monkeypatch.setattr("pymunk_dragon._language.find_spec", lambda name: None)
         with pytest.raises(MissingExtraError, match="chinese"):
             font()

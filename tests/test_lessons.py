@@ -56,7 +56,12 @@ def flat(text):
 
 def lines(lesson, name, language="en"):
     """Paragraphs and items of a section."""
-    return [line for text, items in blocks(lesson.sections(language)[name]) for line in (text, *items) if line]
+    return [
+        line
+        for text, items in blocks(lesson.sections(language)[name])
+        for line in (text, *items)
+        if line
+    ]
 
 
 @pytest.fixture
@@ -68,7 +73,9 @@ def own(tmp_path):
 
 def test_lesson_is_added_by_one_file_at_the_place_of_its_order(tmp_path, monkeypatch):
     for name, order in (("last", 20), ("first", 10), ("between", 15.5)):
-        (tmp_path / f"{name}.py").write_text(f"# %% [markdown] order={order}\n# # Title\n", encoding="utf-8")
+        (tmp_path / f"{name}.py").write_text(
+            f"# %% [markdown] order={order}\n# # Title\n", encoding="utf-8"
+        )
     (tmp_path / "_helper.py").write_text("")
     monkeypatch.setattr(lesson, "FOLDER", tmp_path)
     assert list(lesson.lessons.__wrapped__()) == ["first", "between", "last"]
@@ -77,7 +84,9 @@ def test_lesson_is_added_by_one_file_at_the_place_of_its_order(tmp_path, monkeyp
 def test_lesson_without_translations_is_english_everywhere(own, tmp_path, capsys):
     play(own, tmp_path, language="zh")
     printed = capsys.readouterr().out
-    assert all(text in printed for text in ("My own", "Why?", "- **Two**: 2.", "Because.", "42", "答案"))
+    assert all(
+        text in printed for text in ("My own", "Why?", "- **Two**: 2.", "Because.", "42", "答案")
+    )
     for ending in (".html", ".ipynb", ".py"):
         write_lessons([own], tmp_path / f"out{ending}", language="zh")
         text = (tmp_path / f"out{ending}").read_text(encoding="utf-8")
@@ -95,13 +104,23 @@ def test_each_lesson_has_all_sections_in_both_languages_with_the_same_choices_an
             for guess in (one, other):
                 assert len(set(guess.choices)) == len(guess.choices) >= 2, name
                 # Each choice has what comes of it.
-                assert all(len(item) > len(choice) + 3 for choice, item in zip(guess.choices, guess.items, strict=True))
+                assert all(
+                    len(item) > len(choice) + 3
+                    for choice, item in zip(guess.choices, guess.items, strict=True)
+                )
         for section in ("Answer", "Check"):
             found = [set(figures(each.sections(language)[section])) for language in LANGUAGES]
-            assert {number for number in found[0] ^ found[1] if "." in number} == set(), (name, section)
+            assert {number for number in found[0] ^ found[1] if "." in number} == set(), (
+                name,
+                section,
+            )
         for language in LANGUAGES:
-            for line in (line for section in SECTIONS[1:] for line in lines(each, section, language)):
-                assert not re.search(r"[\\${}]|\*\*", re.sub("<code>.*?</code>", "", html(line))), line
+            for line in (
+                line for section in SECTIONS[1:] for line in lines(each, section, language)
+            ):
+                assert not re.search(r"[\\${}]|\*\*", re.sub("<code>.*?</code>", "", html(line))), (
+                    line
+                )
                 assert not re.search(r"[\\${}]", re.sub("`[^`]*`", "", plain(line))), line
 
 
@@ -112,7 +131,9 @@ def test_picture_of_each_lesson_is_small_and_its_numbers_to_check_are_printed():
         with Image.open(BytesIO(found.picture)) as picture:
             assert min(picture.size) >= 200, name
         assert len(found.picture) < 900_000, name
-        assert any(number in found.printed for number in figures(each.sections()["Check"]) if "." in number), name
+        assert any(
+            number in found.printed for number in figures(each.sections()["Check"]) if "." in number
+        ), name
 
 
 def test_change_of_the_lesson_on_separating_axes_is_drawn(here):
@@ -120,7 +141,10 @@ def test_change_of_the_lesson_on_separating_axes_is_drawn(here):
 
 
 def test_program_that_fails_or_has_no_picture_is_one_line(own):
-    for old, new, words in (("6 * 7", "1 / 0", "ZeroDivisionError"), ('plt.savefig("own.png")', "", "own.gif or .png")):
+    for old, new, words in (
+        ("6 * 7", "1 / 0", "ZeroDivisionError"),
+        ('plt.savefig("own.png")', "", "own.gif or .png"),
+    ):
         own.path.write_text(OWN.replace(old, new), encoding="utf-8")
         with pytest.raises(DragonError) as caught:
             record(Lesson.read(own.path))
@@ -131,14 +155,19 @@ def test_program_that_fails_or_has_no_picture_is_one_line(own):
 def test_program_copied_out_and_notebook_with_a_live_scene_do_the_same_as_the_lesson(tmp_path):
     found, copy = played("near-miss"), tmp_path / "copied.py"
     write_lessons([LESSONS["near-miss"]], copy)
-    done = subprocess.run([sys.executable, copy], capture_output=True, text=True, cwd=tmp_path, check=True)
+    done = subprocess.run(
+        [sys.executable, copy], capture_output=True, text=True, cwd=tmp_path, check=True
+    )
     assert (done.stdout, done.stderr) == (found.printed, "")
     assert (tmp_path / "near-miss.png").exists()
     made = nbformat.reads(make_notebook(LESSONS["near-miss"]), as_version=4)
     limits = dict.fromkeys(("timeout", "startup_timeout", "iopub_timeout"), LIMIT)
     nbclient.NotebookClient(made, **limits, resources={"metadata": {"path": tmp_path}}).execute()
     outputs = [output for cell in made.cells if cell.cell_type == "code" for output in cell.outputs]
-    assert "".join(output.text for output in outputs if output.get("name") == "stdout") == found.printed
+    assert (
+        "".join(output.text for output in outputs if output.get("name") == "stdout")
+        == found.printed
+    )
     assert any("image/png" in output.get("data", {}) for output in outputs)
     # The live scene shows itself.
     assert outputs[-1].data
@@ -152,7 +181,10 @@ def test_notebook_has_the_lessons_code_and_words_and_folds_the_answer():
     assert live == 'from pymunk_dragon import live\n\nlive("unguided")'
     opening, *_, ending = [cell.source for cell in found if cell.cell_type == "markdown"]
     said = each.sections("zh")
-    assert all(text in opening for text in (said["Title"], said["Question"], *each.guesses("zh")[0].choices))
+    assert all(
+        text in opening
+        for text in (said["Title"], said["Question"], *each.guesses("zh")[0].choices)
+    )
     answer, rest = ending.split("</details>")
     assert answer.startswith("<details><summary>")
     assert said["Answer"] in answer
@@ -213,7 +245,9 @@ def test_without_a_library_one_line_names_the_extra(call, monkeypatch, tmp_path)
         assert_says(caught.value, f"pymunk-dragon[{extra}]")
     assert list(tmp_path.iterdir()) == []
     # In a program of a lesson, which runs in a process of its own.
-    (tmp_path / "matplotlib.py").write_text("""raise ModuleNotFoundError("No module named 'matplotlib'")""")
+    (tmp_path / "matplotlib.py").write_text(
+        """raise ModuleNotFoundError("No module named 'matplotlib'")"""
+    )
     monkeypatch.setenv("PYTHONPATH", str(tmp_path), prepend=":")
     code, out, err = call("demo", "spiral")
     assert (code, err.count("\n"), "pip install" in err) == (1, 1, False)
@@ -244,4 +278,6 @@ def test_page_is_written_with_progress_the_same_every_time_or_not_at_all(tmp_pat
     monkeypatch.setattr(page, "record", interrupted)
     with pytest.raises(KeyboardInterrupt):
         write_lessons(chosen, path)
-    assert [(file.name, file.read_text(encoding="utf-8")) for file in tmp_path.iterdir()] == [("two.html", written)]
+    assert [(file.name, file.read_text(encoding="utf-8")) for file in tmp_path.iterdir()] == [
+        ("two.html", written)
+    ]

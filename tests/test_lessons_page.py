@@ -45,7 +45,10 @@ def seen(browser, address):
 
 def longest(text):
     """The longest part of a text without a formula or bold letters, without spaces."""
-    return max(("".join(part.split()) for part in re.split(r"\$[^$]*\$|\*\*", text.replace("`", ""))), key=len)
+    return max(
+        ("".join(part.split()) for part in re.split(r"\$[^$]*\$|\*\*", text.replace("`", ""))),
+        key=len,
+    )
 
 
 def texts(lesson, section, language):
@@ -60,17 +63,29 @@ def shown(seen, selector="body"):
     return "".join("".join(seen.page.locator(selector).all_inner_texts()).split())
 
 
-def test_page_is_small_no_wider_than_the_window_requests_nothing_and_shows_all_pictures(browser, address):
+def test_page_is_small_no_wider_than_the_window_requests_nothing_and_shows_all_pictures(
+    browser, address
+):
     for media, width in (("screen", 1280), ("screen", 390), ("print", 688)):
         for language in LANGUAGES:
-            with opened(browser, f"{address}?{language}", width, 900, is_mobile=width < 600) as seen:
+            with opened(
+                browser, f"{address}?{language}", width, 900, is_mobile=width < 600
+            ) as seen:
                 assert len(seen.page.content()) < 6_000_000
                 seen.page.evaluate(UNFOLD)
                 seen.page.emulate_media(media=media)
-                assert seen.page.evaluate("[innerWidth, document.documentElement.scrollWidth]") == [width, width]
-                wait_until(seen.page, "[...document.images].every((image) => image.complete && image.naturalWidth > 0)")
+                assert seen.page.evaluate("[innerWidth, document.documentElement.scrollWidth]") == [
+                    width,
+                    width,
+                ]
+                wait_until(
+                    seen.page,
+                    "[...document.images].every((image) => image.complete && image.naturalWidth > 0)",
+                )
                 assert seen.complaints == []
-                assert {url for url in seen.addresses if not url.startswith("data:")} == {f"{address}?{language}"}
+                assert {url for url in seen.addresses if not url.startswith("data:")} == {
+                    f"{address}?{language}"
+                }
 
 
 def test_one_language_is_seen_at_a_time_with_the_same_programs(seen):
@@ -80,7 +95,10 @@ def test_one_language_is_seen_at_a_time_with_the_same_programs(seen):
         text = shown(seen)
         for lesson in ALL:
             for section in ("Question", "Guess", "Answer", "Check", "Try", "Change"):
-                assert all(each in text for each in texts(lesson, section, language)), (lesson.name, section)
+                assert all(each in text for each in texts(lesson, section, language)), (
+                    lesson.name,
+                    section,
+                )
                 # A translation is never a condition.
                 if lesson.sections(other)[section] != lesson.sections(language)[section]:
                     assert longest(lesson.sections(other)[section]) not in text
@@ -95,12 +113,17 @@ def test_one_language_is_seen_at_a_time_with_the_same_programs(seen):
 def test_address_names_the_language_and_the_lesson_and_remembers_the_choice(browser, address):
     with opened(browser, f"{address}?zh#chain") as seen:
         assert seen.page.evaluate("document.documentElement.lang") == "zh"
-        assert abs(seen.page.evaluate("document.querySelector('#chain').getBoundingClientRect().top")) < 60
+        assert (
+            abs(seen.page.evaluate("document.querySelector('#chain').getBoundingClientRect().top"))
+            < 60
+        )
         seen.page.click(".languages button[value=en]")
         assert seen.page.url == f"{address}?en#chain"
         seen.page.reload()
         assert seen.page.evaluate("document.documentElement.lang") == "en"
-        links = seen.page.evaluate("[...document.querySelectorAll('.contents a')].map((a) => a.getAttribute('href'))")
+        links = seen.page.evaluate(
+            "[...document.querySelectorAll('.contents a')].map((a) => a.getAttribute('href'))"
+        )
         assert links == [f"#{name}" for name in (*LESSONS, "glossary")]
         assert all(seen.page.locator(link).count() == 1 for link in links)
 
@@ -111,8 +134,14 @@ def test_nothing_of_the_answer_is_seen_before_the_experiment_is_opened(seen):
         assert all(each in text for each in texts(lesson, "Question", "en"))
         for section in ("Answer", "Check", "Try", "Change", "Teacher"):
             asked = [longest(guess.text) for guess in lesson.guesses()]
-            assert not any(each in text for each in texts(lesson, section, "en") if each not in asked), lesson.name
-        assert not seen.page.locator(f"#{lesson.name} :is(pre, img, canvas)").locator("visible=true").count()
+            assert not any(
+                each in text for each in texts(lesson, section, "en") if each not in asked
+            ), lesson.name
+        assert (
+            not seen.page.locator(f"#{lesson.name} :is(pre, img, canvas)")
+            .locator("visible=true")
+            .count()
+        )
 
 
 def test_course_with_the_keyboard_guess_experiment_answer_and_again(seen):
@@ -153,7 +182,12 @@ def test_course_language_and_links_work_in_a_frame_that_allows_scripts_only(brow
         for name, opens in (("spiral", ".open"), ("unguided", ".open-unguessed")):
             lesson = frame.locator(f"#{name}")
             frame.click(f".contents a[href='#{name}']")
-            assert abs(frame.evaluate(f"document.querySelector('#{name}').getBoundingClientRect().top")) < 60
+            assert (
+                abs(
+                    frame.evaluate(f"document.querySelector('#{name}').getBoundingClientRect().top")
+                )
+                < 60
+            )
             lesson.locator("input").first.check()
             lesson.locator(opens).click()
             assert lesson.locator(".stage :is(canvas, img)").is_visible()
@@ -188,18 +222,29 @@ def test_programs_and_notebooks_can_be_taken_from_the_page(seen):
     for lesson in ALL:
         links = seen.page.locator(f"#{lesson.name} .files a")
         files = links.evaluate_all("(all) => all.map((a) => [a.download, a.lang, a.href])")
-        content = {(name, lang): base64.b64decode(href.split(",", 1)[1]).decode() for name, lang, href in files}
-        notebooks = {(f"{lesson.name}.ipynb", each): make_notebook(lesson, each) for each in LANGUAGES}
+        content = {
+            (name, lang): base64.b64decode(href.split(",", 1)[1]).decode()
+            for name, lang, href in files
+        }
+        notebooks = {
+            (f"{lesson.name}.ipynb", each): make_notebook(lesson, each) for each in LANGUAGES
+        }
         assert content == {(lesson.path.name, ""): lesson.source} | notebooks
 
 
 def test_sheets_for_the_class_have_no_answers_and_those_for_the_teacher_do(seen):
     # What would be on paper when a button prints; a hidden button is clicked by the page itself.
     seen.page.evaluate("window.print = () => { window.paper = document.body.innerText; }")
-    for language, kind, one in (("zh", "class", False), ("en", "teacher", False), ("en", "class", True)):
+    for language, kind, one in (
+        ("zh", "class", False),
+        ("en", "teacher", False),
+        ("en", "class", True),
+    ):
         seen.page.click(f".languages button[value={language}]")
         seen.page.emulate_media(media="print")
-        seen.page.evaluate(f"document.querySelector('{'#grid' if one else 'header'} .sheets [value={kind}]').click()")
+        seen.page.evaluate(
+            f"document.querySelector('{'#grid' if one else 'header'} .sheets [value={kind}]').click()"
+        )
         paper = "".join(seen.page.evaluate("window.paper").split())
         for lesson in ALL:
             printed = not one or lesson.name == "grid"
@@ -212,7 +257,9 @@ def test_sheets_for_the_class_have_no_answers_and_those_for_the_teacher_do(seen)
     seen.page.emulate_media(media="print")
     seen.page.evaluate("document.documentElement.dataset.print = 'class'")
     for size in ("A4", "Letter"):
-        assert len(re.findall(rb"/Type /Page\b", seen.page.pdf(format=size))) == len(ALL), "a sheet is two pages long"
+        assert len(re.findall(rb"/Type /Page\b", seen.page.pdf(format=size))) == len(ALL), (
+            "a sheet is two pages long"
+        )
 
 
 def test_experiments_with_pymunk_are_live_on_a_live_server(browser):

@@ -20,7 +20,13 @@ from pymunk_dragon.model.dragon import Dragon
 
 K = 0.55 / (2 * math.pi)
 MARCH = {"head_spacing": 2.86, "body_spacing": 1.65, "pitch": 0.55, "turns": 16, "speed": 1}
-SIZES = {"width": "0.3", "overhang": "0.275", "head_spacing": "2.86", "body_spacing": "1.65", "pitch": "0.55"}
+SIZES = {
+    "width": "0.3",
+    "overhang": "0.275",
+    "head_spacing": "2.86",
+    "body_spacing": "1.65",
+    "pitch": "0.55",
+}
 
 
 def printed(name):
@@ -55,7 +61,9 @@ def test_next_handle_is_the_one_in_many_digits_and_its_arc_is_longer():
     (_, arc, r, x, y), *_ = (row for row in found_in("chain", "turns back") if 0 < row[0] < 0.5)
     expected = [float(part) for part in positions[1]]
     assert [x, y] == pytest.approx(expected, abs=5.1e-5)
-    assert numbers(played("chain").printed.splitlines()[-1])[-2:] == pytest.approx(expected, abs=5.1e-5)
+    assert numbers(played("chain").printed.splitlines()[-1])[-2:] == pytest.approx(
+        expected, abs=5.1e-5
+    )
     before, after = (oracle.arc_length(mp.hypot(*place) / K, 0.55) for place in positions[:2])
     assert arc == pytest.approx(float(after - before), abs=5.1e-4)
     assert arc - 2.86 == pytest.approx(0.04, abs=0.001)
@@ -181,7 +189,9 @@ def test_near_misses_are_those_of_many_digits():
         assert shown == pytest.approx(least, abs=5.1e-4)
         assert gap(time, pair) == pytest.approx(least, abs=1e-4)
         assert round(shown, 1) in said("near-miss", "Answer")
-    assert numbers(printed("near-miss")[2])[0] == round(contact_time(412.4738, (0, 8)), 3) == 412.474
+    assert (
+        numbers(printed("near-miss")[2])[0] == round(contact_time(412.4738, (0, 8)), 3) == 412.474
+    )
     assert printed("near-miss")[3].split()[3:] == printed("near-miss")[2].split()[1:]
 
 
@@ -213,7 +223,9 @@ def test_smallest_pitch_and_the_time_of_its_touch_are_those_of_many_digits():
 def test_pitch_of_looks_each_second_is_where_one_of_them_sees_no_gap():
     with mp.workdps(oracle.DIGITS):
         ends = mp.mpf("0.4502"), mp.mpf("0.4503")
-        pitch = mp.findroot(lambda p: oracle.gap(mp.mpf(216), (0, 19), sizes(pitch=p)), ends, tol=1e-30)
+        pitch = mp.findroot(
+            lambda p: oracle.gap(mp.mpf(216), (0, 19), sizes(pitch=p)), ends, tol=1e-30
+        )
     seen, truth = (numbers(line) for line in printed("pitch")[2:])
     assert seen[-2] == truth[-2] == round(float(pitch), 6)
     deepest = min(gap(216.2 + k / 100, (0, 19), pitch=mp.nstr(pitch, 20)) for k in range(15))
@@ -224,7 +236,9 @@ def test_pitch_of_looks_each_second_is_where_one_of_them_sees_no_gap():
 def drifts():
     """Printed drifts in µm, by number of iterations, from long steps to short ones."""
     lines = [line for line in printed("engine") if " iterations" in line]
-    found = {int(line.split()[0]): [float(d) for d in re.findall(r"([\d.]+) µm", line)] for line in lines}
+    found = {
+        int(line.split()[0]): [float(d) for d in re.findall(r"([\d.]+) µm", line)] for line in lines
+    }
     assert list(found) == [5, 15, 60, 240]
     return found
 
@@ -251,7 +265,10 @@ IMPULSE = r"step (\d+)   impulse ([\d.]+) N s   (\w+)"
 
 
 def calls(lines):
-    return [(int(step), float(impulse), name) for step, impulse, name in re.findall(IMPULSE, "\n".join(lines))]
+    return [
+        (int(step), float(impulse), name)
+        for step, impulse, name in re.findall(IMPULSE, "\n".join(lines))
+    ]
 
 
 def flying(step):
@@ -290,7 +307,9 @@ def test_an_error_in_begin_is_lost_and_one_in_simulate_is_raised():
 
 def forces(lines, name):
     """Printed force by joint."""
-    found = re.findall(r"joint +(\d+): +([\d.]+) N", "".join(line for line in lines if line.startswith(name)))
+    found = re.findall(
+        r"joint +(\d+): +([\d.]+) N", "".join(line for line in lines if line.startswith(name))
+    )
     return {int(joint): float(force) for joint, force in found}
 
 

@@ -34,7 +34,11 @@ def stage_page(stage: str = "", language: str = "en") -> str:
     shared = [LESSONS.parent / f"web/assets/{name}.js" for name in ("common", "geometry", "pane")]
     scripts = [*shared, ASSETS / "chain.js", ASSETS / "lab.js"]
     script = "".join(path.read_text("utf-8") for path in [*scripts, *sorted(LESSONS.glob("*.js"))])
-    opening = f'<script>openStage(document.querySelector("[data-stage={stage}]"))</script>' if stage else ""
+    opening = (
+        f'<script>openStage(document.querySelector("[data-stage={stage}]"))</script>'
+        if stage
+        else ""
+    )
     return (
         f'<!doctype html><html lang="{language}"><meta charset="utf-8"><title>Stage</title>'
         '<meta name="viewport" content="width=device-width">'
@@ -91,7 +95,9 @@ def test_chains_on_u_turns_are_the_packages(page):
     random = np.random.default_rng(2)
     for ratio in (0.5, 1.0, 1.63, 2.0):
         march = March(Dragon(), UTurn(ratio=ratio))
-        assert march.curve.length == pytest.approx(page.evaluate(f"new UTurn({{ ratio: {ratio} }}).length"), abs=CLOSE)
+        assert march.curve.length == pytest.approx(
+            page.evaluate(f"new UTurn({{ ratio: {ratio} }}).length"), abs=CLOSE
+        )
         heads = random.uniform(-10, 40, 80)
         assert_same_chains(page, f"new UTurn({{ ratio: {ratio} }})", march, {}, heads)
 
@@ -102,7 +108,10 @@ def test_chains_on_drawn_paths_are_the_packages(page):
     dragon = Dragon(benches=12, head_spacing=0.3, body_spacing=0.2, overhang=0.03, width=0.06)
     for _ in range(6):
         angles = np.cumsum(random.uniform(-0.7, 0.7, 16))
-        points = np.cumsum(random.uniform(0.25, 0.45, (16, 1)) * np.stack([np.cos(angles), np.sin(angles)], -1), axis=0)
+        points = np.cumsum(
+            random.uniform(0.25, 0.45, (16, 1)) * np.stack([np.cos(angles), np.sin(angles)], -1),
+            axis=0,
+        )
         march = March(dragon, Sampled(points))
         heads = random.uniform(march.head_start, march.curve.end_s, 50)
         assert_same_chains(page, f"new DrawnPath({points.tolist()})", march, sizes, heads)
@@ -193,7 +202,9 @@ def test_spiral_says_how_fast_one_turns(visit):
 def test_chain_finds_the_next_handle(visit):
     with visit("chain") as found:
         page = found.page
-        assert readout(page).startswith("Points of the spiral found on the circle: 0. Yours is not on the spiral")
+        assert readout(page).startswith(
+            "Points of the spiral found on the circle: 0. Yours is not on the spiral"
+        )
         march = March()
         (x, y), (px, py) = march.at(300).positions[0, :2]
         box = page.locator("canvas").bounding_box()
@@ -201,7 +212,12 @@ def test_chain_finds_the_next_handle(visit):
         knob = page.get_by_role("button", name="The next handle").bounding_box()
         at = knob["x"] + 22, knob["y"] + 22
         centre = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
-        drag(page, "The next handle", centre[0] + (px - x) * scale - at[0], centre[1] - (py - y) * scale - at[1])
+        drag(
+            page,
+            "The next handle",
+            centre[0] + (px - x) * scale - at[0],
+            centre[1] - (py - y) * scale - at[1],
+        )
         arc = -np.diff(march.handles_s(300, 2)[0]).item()
         assert f"Yours is {arc:.3f} m back along the path, 0.00 m off." in readout(page)
         # By the keyboard once round the circle.
@@ -210,7 +226,10 @@ def test_chain_finds_the_next_handle(visit):
             set_slider(page, "handle to handle", bench)
             for _ in range(13):
                 page.get_by_role("button", name="The next handle").press("Shift+ArrowUp")
-            assert f"on the circle: {np.sum(np.diff(away > bench))}. Yours is not on the spiral" in readout(page)
+            assert (
+                f"on the circle: {np.sum(np.diff(away > bench))}. Yours is not on the spiral"
+                in readout(page)
+            )
 
 
 def test_velocity_says_how_slow_the_tail_is_and_how_wrong_a_difference(visit):
@@ -237,11 +256,16 @@ def test_sat_says_how_far_two_benches_are_apart(visit):
 
         def verdict():
             distance = separation(*pymunk_dragon.outlines(poses, [2.2, 2.2], 0.3)).distance.item()
-            return f"are {distance:.3f} m apart." if distance > 0 else f"overlap by {-distance:.3f} m."
+            return (
+                f"are {distance:.3f} m apart." if distance > 0 else f"overlap by {-distance:.3f} m."
+            )
 
         assert readout(page) == f"Walls with light: none of 1. The benches, at 30°, {verdict()}"
         set_slider(page, "walls", 4)
-        assert readout(page) == f"Walls with light: 1 of 4, up to 0.070 m wide. The benches, at 30°, {verdict()}"
+        assert (
+            readout(page)
+            == f"Walls with light: 1 of 4, up to 0.070 m wide. The benches, at 30°, {verdict()}"
+        )
         scale = page.locator("canvas").bounding_box()["height"] / 7.2
         drag(page, "The amber bench: drag it", -30, 40)
         poses[1, :2] += np.array([-30, -40]) / scale
@@ -259,9 +283,14 @@ def test_grid_says_how_many_pairs_share_a_cell(visit):
         for cell, benches in ((0.55, 223), (0.1, 223), (2.2, 223), (0.55, 16)):
             set_slider(page, "size of a cell", cell)
             set_slider(page, "benches", benches)
-            pairs, entries = Grid(cell=cell).pairs(outlines[:benches]), Grid(cell=cell).file(outlines[:benches])[1]
+            pairs, entries = (
+                Grid(cell=cell).pairs(outlines[:benches]),
+                Grid(cell=cell).file(outlines[:benches])[1],
+            )
             every = (benches - 1) * (benches - 2) // 2
-            assert f"{len(pairs)} of {every} pairs share a cell; {len(entries)} entries" in readout(page)
+            assert f"{len(pairs)} of {every} pairs share a cell; {len(entries)} entries" in readout(
+                page
+            )
         assert f"Bench 8: {np.sum(pairs == 8)} to test." in readout(page)
         page.get_by_role("button", name="The bench that is picked").press("ArrowLeft")
         assert f"Bench 7: {np.sum(pairs == 7)} to test." in readout(page)
@@ -276,11 +305,17 @@ def test_near_miss_shows_the_gap_and_the_false_hit_of_cut_coordinates(visit):
             for time in (406.8, 409.85, 412.2):
                 set_slider(page, "time", time)
                 handles = march.at(time, handles=14).positions[0]
-                handles = handles if decimals == 6 else np.trunc(10**decimals * handles) / 10**decimals
+                handles = (
+                    handles if decimals == 6 else np.trunc(10**decimals * handles) / 10**decimals
+                )
                 outlines = march.dragon.outlines(bench_poses(handles))
                 gaps = 1000 * separation(outlines[0], outlines[2:]).distance
                 gap, bench = gaps.min(), gaps.argmin() + 2
-                said = f"gap to bench {bench} is {gap:.3f} mm" if gap > 0 else f"bench {bench} by {-gap:.3f} mm"
+                said = (
+                    f"gap to bench {bench} is {gap:.3f} mm"
+                    if gap > 0
+                    else f"bench {bench} by {-gap:.3f} mm"
+                )
                 assert said in readout(page)
         set_slider(page, "coordinates", 3)
         assert "the first at 409.79 s." in readout(page)
@@ -291,10 +326,17 @@ def test_missed_window_says_which_contact_a_step_misses(visit):
         page, march = found.page, March(Dragon(width=0.301))
         times = np.linspace(409.7, 410, 30_001)
         outlines = march.dragon.outlines(march.at(times, 17).poses)
-        touched = np.ptp(times[(separation(outlines[:, :1], outlines[:, 2:]).distance <= 0).any(axis=1)])
-        assert re.fullmatch(r"405.000 s: gap 27\.\d+ mm. The samples find .* bench 8 at 413.000 s. ", readout(page))
+        touched = np.ptp(
+            times[(separation(outlines[:, :1], outlines[:, 2:]).distance <= 0).any(axis=1)]
+        )
+        assert re.fullmatch(
+            r"405.000 s: gap 27\.\d+ mm. The samples find .* bench 8 at 413.000 s. ", readout(page)
+        )
         knob = page.get_by_role("button", name="The time: drag it")
-        tops = [(set_slider(page, "zoom", zoom), readout(page), knob.bounding_box()["y"])[2] for zoom in (1, 0)]
+        tops = [
+            (set_slider(page, "zoom", zoom), readout(page), knob.bounding_box()["y"])[2]
+            for zoom in (1, 0)
+        ]
         assert np.ptp(tops) < 1, "the zoom moves the gap"
         # A second and a half along the chart, which shows 8 s; then to its end.
         width = page.locator("canvas").bounding_box()["width"] - 74
@@ -306,11 +348,18 @@ def test_missed_window_says_which_contact_a_step_misses(visit):
             set_slider(page, "a sample every", index)
             bench = scan(march, start=405, until=420, step=step).benches[1]
             assert f"The samples find the head in bench {bench} at" in readout(page)
-            missed = f"Missed: bench 11, touched for {touched:.3f} s." if bench == 8 else "No contact was missed."
+            missed = (
+                f"Missed: bench 11, touched for {touched:.3f} s."
+                if bench == 8
+                else "No contact was missed."
+            )
             assert missed in readout(page)
         set_slider(page, "width", 300.98)
         bench = scan(March(Dragon(width=0.30098)), start=405, until=420, step=0.1).benches[1]
-        assert f"The samples find the head in bench {bench} at 412.500 s. Missed: bench 11" in readout(page)
+        assert (
+            f"The samples find the head in bench {bench} at 412.500 s. Missed: bench 11"
+            in readout(page)
+        )
 
 
 @pytest.mark.parametrize("pitch", [0.43, 0.4503, 0.4504])
@@ -333,7 +382,10 @@ def test_pitch_says_where_the_dragon_stops_and_what_samples_see(visit, pitch):
             outlines = march.dragon.outlines(march.at(times, handles=27).poses)
             return 1000 * separation(outlines[:, :1], outlines[:, 2:]).distance.min()
 
-        assert f"20 s: {smallest_gap(0.002):.3f} mm; in the samples: {smallest_gap(1.0):.3f} mm." in readout(page)
+        assert (
+            f"20 s: {smallest_gap(0.002):.3f} mm; in the samples: {smallest_gap(1.0):.3f} mm."
+            in readout(page)
+        )
         # Back along the spiral by the keyboard.
         page.get_by_role("button", name="The head").press("ArrowLeft")
         assert readout(page).startswith(said)
@@ -343,7 +395,10 @@ def finger(page, start, stop):
     """Drag a finger over the page."""
     touch = page.context.new_cdp_session(page)
     for share in np.linspace(0, 1, 9):
-        kind, point = "touchMove" if share else "touchStart", np.array(start) + share * np.subtract(stop, start)
+        kind, point = (
+            "touchMove" if share else "touchStart",
+            np.array(start) + share * np.subtract(stop, start),
+        )
         points = [{"x": float(point[0]), "y": float(point[1])}]
         touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
     touch.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
@@ -371,7 +426,9 @@ def test_u_turn_says_how_long_the_arcs_are(visit):
         # Handle 1 is pushed back where the second arc is narrower than the head's bench, as at a ratio of 7 to 3.
         for _ in range(13):
             page.get_by_role("button", name="The point where your arcs meet").press("ArrowLeft")
-        march = March(Dragon(benches=30), UTurn(ratio=(1 + 1.2 / 4.5 + 0.26) / (1 - 1.2 / 4.5 - 0.26)))
+        march = March(
+            Dragon(benches=30), UTurn(ratio=(1 + 1.2 / 4.5 + 0.26) / (1 - 1.2 / 4.5 - 0.26))
+        )
         assert np.diff(march.handles_s([13.9, 14.0], 2)[:, 1]) < 0
         assert "But your head's bench would push its rear handle back." in readout(page)
 
@@ -407,7 +464,10 @@ def path_of(page):
     """The points of the drawn path in m, from where they are on the canvas."""
     box = page.locator("canvas").bounding_box()
     scale = min(box["width"] / 2.9, box["height"] / 1.9)
-    return (np.array(page.evaluate(KNOBS)) - (box["width"] / 2, box["height"] / 2)) / (scale, -scale) + (-0.6, 0)
+    return (np.array(page.evaluate(KNOBS)) - (box["width"] / 2, box["height"] / 2)) / (
+        scale,
+        -scale,
+    ) + (-0.6, 0)
 
 
 @pytest.mark.parametrize("drawn", [False, True])
@@ -441,7 +501,9 @@ def test_robot_says_whether_the_arm_follows_a_path(visit, drawn):
         hit = first_contact(march)
         outcome = "The tip reaches the end after" if drawn else "Link 0 runs into link 13 at"
         assert hit.benches == (None if drawn else (0, 13))
-        time, low, high = (float(said.split(before)[1].split()[0]) for before in (outcome, "joints at", " to "))
+        time, low, high = (
+            float(said.split(before)[1].split()[0]) for before in (outcome, "joints at", " to ")
+        )
         assert time == pytest.approx(hit.time, abs=2e-3)
         speeds = march.at(hit.time).speeds
         assert (low, high) == pytest.approx((speeds.min(), speeds.max()), abs=6e-4)
@@ -461,9 +523,13 @@ def test_stages_speak_chinese_and_fit_on_a_phone(visit, stage):
         chinese = readout(page)
         assert english_words(page) <= {"Stage", "rad"}
         assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
-        assert page.evaluate("[...document.querySelectorAll('.knob, canvas, .play')].every((each) => each.ariaLabel)")
+        assert page.evaluate(
+            "[...document.querySelectorAll('.knob, canvas, .play')].every((each) => each.ariaLabel)"
+        )
         # Another language keeps the experiment.
-        page.evaluate("document.documentElement.lang = 'en'; document.dispatchEvent(new Event('languagechange'))")
+        page.evaluate(
+            "document.documentElement.lang = 'en'; document.dispatchEvent(new Event('languagechange'))"
+        )
         assert readout(page) != chinese
         assert sorted(NUMBERS.findall(readout(page))) == sorted(NUMBERS.findall(chinese))
         assert found.complaints == []

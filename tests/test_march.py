@@ -14,7 +14,17 @@ from marches import DRAWN, HAIRPIN
 from test_curve_kinds import LogarithmicSpiral
 from test_first_contact import marches
 
-from pymunk_dragon import Dragon, Line, March, Section, SpeedTable, Spiral, UTurn, first_contact, simulate
+from pymunk_dragon import (
+    Dragon,
+    Line,
+    March,
+    Section,
+    SpeedTable,
+    Spiral,
+    UTurn,
+    first_contact,
+    simulate,
+)
 from pymunk_dragon.errors import UnreachableError
 
 # s. The last time at which the paper's dragon can be placed, to 1e-7 s; see the test that finds it.
@@ -43,19 +53,31 @@ def unreachable(march, times):
         # Turn 3.4 is 3.5 m wide where the head's bench lies across it.
         (March(Dragon(benches=12, head_spacing=3.45, body_spacing=3.4), turns=3.4), 0, True),
         # Close to the centre and at it.
-        *((March(SMALL, turns=1.5), time, True) for time in (2.5, March(SMALL, turns=1.5).end - 1e-3)),
+        *(
+            (March(SMALL, turns=1.5), time, True)
+            for time in (2.5, March(SMALL, turns=1.5).end - 1e-3)
+        ),
     ],
 )
 def test_every_handle_is_where_the_oracle_has_it(march, time, speeds):
-    sizes = {name: getattr(march.dragon, name) for name in ("benches", "head_spacing", "body_spacing")}
-    motion = {"pitch": march.curve.pitch, "turns": march.turns, "speed": march.speed, "difference": speeds}
+    sizes = {
+        name: getattr(march.dragon, name) for name in ("benches", "head_spacing", "body_spacing")
+    }
+    motion = {
+        "pitch": march.curve.pitch,
+        "turns": march.turns,
+        "speed": march.speed,
+        "difference": speeds,
+    }
     positions, velocities = oracle.solve(time, **sizes, **motion)
     states = march.at(time)
     assert len(positions) == march.dragon.handles == states.positions.shape[1]
     for (x, y), ours in zip(positions, states.positions[0].tolist(), strict=True):
         assert mp.hypot(x - ours[0], y - ours[1]) < 1e-10
     if speeds:
-        for (x, y), ours, speed in zip(velocities, states.velocities[0].tolist(), states.speeds[0], strict=True):
+        for (x, y), ours, speed in zip(
+            velocities, states.velocities[0].tolist(), states.speeds[0], strict=True
+        ):
             assert mp.hypot(x - ours[0], y - ours[1]) < 1e-9
             assert abs(mp.hypot(x, y) - float(speed)) < 1e-9
 
@@ -74,7 +96,9 @@ def test_benches_keep_their_length_and_both_ends_go_along_with_them(march, when)
     along = states.positions[0, :-1] - states.positions[0, 1:]
     # Either hole is where its place is, to a few last digits of the place.
     resolution = 8 * np.spacing(np.abs(states.handles_s).max())
-    assert np.linalg.norm(along, axis=-1) == pytest.approx(march.dragon.spacings, rel=1e-12, abs=resolution)
+    assert np.linalg.norm(along, axis=-1) == pytest.approx(
+        march.dragon.spacings, rel=1e-12, abs=resolution
+    )
     unit = along / march.dragon.spacings[:, None]
     front = np.sum(unit * states.velocities[0, :-1], axis=-1)
     rear = np.sum(unit * states.velocities[0, 1:], axis=-1)
@@ -90,7 +114,9 @@ def test_states_of_many_times_and_of_the_first_handles_are_those_of_each(seed_ma
     for row, time in enumerate(together.times):
         alone = seed_march.at(time)
         for name in STATES:
-            assert getattr(alone, name)[0] == pytest.approx(getattr(together, name)[row], rel=1e-12, abs=1e-12)
+            assert getattr(alone, name)[0] == pytest.approx(
+                getattr(together, name)[row], rel=1e-12, abs=1e-12
+            )
     assert few.velocities == pytest.approx(together.velocities[:, :5], rel=1e-12, abs=1e-12)
     assert seed_march.handles_s([0, 1, 2], handles=1).shape == (3, 1)
     assert seed_march.at([]).positions.shape == (0, 224, 2)
@@ -100,7 +126,9 @@ def test_speeds_by_difference_converge_to_the_exact_ones_at_first_order(seed_mar
     times = [0, 100, 300, 412]
     exact = seed_march.at(times).speeds
     steps = 0.1 / 2 ** np.arange(5)
-    errors = [np.abs(seed_march.speeds_by_difference(times, step) - exact).max(axis=1) for step in steps]
+    errors = [
+        np.abs(seed_march.speeds_by_difference(times, step) - exact).max(axis=1) for step in steps
+    ]
     order = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
     assert np.all((order > 0.95) & (order < 1.05)), order
     assert np.all(errors[-1] < 1e-2)
@@ -110,7 +138,15 @@ def test_seed_dragon_cannot_be_placed_from_432_918_seconds_on(seed_march):
     seed_march.handles_s(LAST)
     assert unreachable(seed_march, LAST + 1e-7)[1] == 1
     with pytest.raises(UnplaceableError) as independent:
-        oracle.solve(LAST + 1e-7, benches=1, head_spacing=2.86, body_spacing=1.65, pitch=0.55, turns=16, speed=1)
+        oracle.solve(
+            LAST + 1e-7,
+            benches=1,
+            head_spacing=2.86,
+            body_spacing=1.65,
+            pitch=0.55,
+            turns=16,
+            speed=1,
+        )
     assert independent.value.args == (1,)
 
 
@@ -140,7 +176,11 @@ def test_impossible_marches_are_refused_by_name():
     # Benches too long for the first turn.
     for settings, name, value in (
         ({"turns": 2}, "head_spacing", 2.86),
-        ({"dragon": Dragon(head_spacing=0.7, body_spacing=5.0, overhang=0.1), "turns": 2}, "body_spacing", 5.0),
+        (
+            {"dragon": Dragon(head_spacing=0.7, body_spacing=5.0, overhang=0.1), "turns": 2},
+            "body_spacing",
+            5.0,
+        ),
     ):
         error = refusal(March, **settings)
         assert (error.name, error.value) == (name, value)
@@ -167,19 +207,26 @@ def test_impossible_questions_are_refused_by_name(seed_march):
 TURN = March(curve=UTurn())
 
 
-@pytest.mark.parametrize("time", [14.1, *(pytest.param(t, marks=pytest.mark.thorough) for t in (-0.5, 7.5, 16.0))])
+@pytest.mark.parametrize(
+    "time", [14.1, *(pytest.param(t, marks=pytest.mark.thorough) for t in (-0.5, 7.5, 16.0))]
+)
 def test_handles_in_the_u_turn_are_where_many_digits_have_them(time):
     """Also while the chain lies over one, two or all three joints."""
     with mp.workdps(DIGITS):
         truth = u_turn()
         states = TURN.at(time, handles=10)
         places = walked_chain(truth, time, TURN.dragon.spacings[:9])
-        for place, (x, y), ours in zip(places, states.positions[0].tolist(), states.handles_s[0].tolist(), strict=True):
+        for place, (x, y), ours in zip(
+            places, states.positions[0].tolist(), states.handles_s[0].tolist(), strict=True
+        ):
             u, v = truth(place)[:2]
             assert mp.hypot(u - x, v - y) < 1e-10
             assert abs(place - ours) < 1e-10
         tiny = mp.mpf("1e-15")
-        before, after = (walked_chain(truth, mp.mpf(time) + sign * tiny, TURN.dragon.spacings[:9]) for sign in (-1, 1))
+        before, after = (
+            walked_chain(truth, mp.mpf(time) + sign * tiny, TURN.dragon.spacings[:9])
+            for sign in (-1, 1)
+        )
         for one, other, speed in zip(before, after, states.speeds[0].tolist(), strict=True):
             assert abs((other - one) / (2 * tiny) - mp.mpf(speed)) < 1e-9
 
@@ -188,7 +235,11 @@ def test_the_next_handle_is_the_nearest_along_the_path_that_a_scan_sees():
     cases = [(HAIRPIN, s, 1.5) for s in (9.0, 10.0, 11.0, 11.7, 12.0, 13.0, 14.5)]
     cases += [(DRAWN, s, 1.1) for s in np.linspace(12, DRAWN.end_s, 8)]
     # Near the centre, from where the distance grows over more than a turn, and where it has its top within the first.
-    cases += [(Spiral(), -s, 0.55 * share) for s in (0, 0.05, 0.095, 0.103, 0.3, 40) for share in (0.4, 0.99, 1.01)]
+    cases += [
+        (Spiral(), -s, 0.55 * share)
+        for s in (0, 0.05, 0.095, 0.103, 0.3, 40)
+        for share in (0.4, 0.99, 1.01)
+    ]
     for curve, s, spacing in cases:
         place = curve.chain([s], [spacing])[0, 1]
         ways = np.linspace(0, 5, 60_001)
@@ -200,7 +251,9 @@ def test_the_next_handle_is_the_nearest_along_the_path_that_a_scan_sees():
             assert np.isnan(place)
         else:
             assert s - place == pytest.approx(ways[reached[0]], abs=1e-4)
-            assert np.linalg.norm(curve.point(place) - curve.point(s)) == pytest.approx(spacing, abs=1e-12)
+            assert np.linalg.norm(curve.point(place) - curve.point(s)) == pytest.approx(
+                spacing, abs=1e-12
+            )
 
 
 def test_places_before_the_begin_are_none_and_the_begin_itself_is_one():
@@ -211,7 +264,9 @@ def test_places_before_the_begin_are_none_and_the_begin_itself_is_one():
     assert line.chain(np.empty(0), [1.65]).shape == (0, 2)
 
 
-@pytest.mark.parametrize("curve", [UTurn(), HAIRPIN, Section(Spiral(), -300, -10), LogarithmicSpiral()], ids=repr)
+@pytest.mark.parametrize(
+    "curve", [UTurn(), HAIRPIN, Section(Spiral(), -300, -10), LogarithmicSpiral()], ids=repr
+)
 def test_the_foot_of_a_point_beside_the_path_is_where_it_was_set_off(curve):
     s = np.linspace(max(curve.begin_s + 0.1, -290.0), min(curve.end_s - 0.1, 40.0), 60)
     points, tangents = curve.frame(s)
@@ -249,11 +304,17 @@ def test_a_march_or_a_search_that_cannot_start_is_refused_by_name():
         ({"curve": UTurn(pitch=0.1, radius=4.5)}, "pitch"),
     ):
         assert refusal(March, **settings).name == name, settings
-    short = March(Dragon(benches=4, head_spacing=1.0, body_spacing=1.0), Line(stop=(10, 0)), start_s=5.0)
+    short = March(
+        Dragon(benches=4, head_spacing=1.0, body_spacing=1.0), Line(stop=(10, 0)), start_s=5.0
+    )
     for ask in (first_contact, simulate):
         assert refusal(ask, TURN).name == "until"
         assert refusal(ask, short, start=100.0).name == "start"
-    for time, words in ((-2.5, "begins less than a spacing"), (-6, "begins at t = -5 s"), (6, "ends at t = 5 s")):
+    for time, words in (
+        (-2.5, "begins less than a spacing"),
+        (-6, "begins at t = -5 s"),
+        (6, "ends at t = 5 s"),
+    ):
         assert_says(refusal(short.at, time, error=UnreachableError), words)
 
 
@@ -265,7 +326,9 @@ def test_where_the_dragon_is_depends_on_the_way_alone():
     changing, steady = March(SMALL, speed=table), March(SMALL)
     times = np.array([-3.0, 0, 4, 15, 33.3])
     ways = changing.distance(times)
-    assert ways.tolist() == pytest.approx([-3, 0, 4 + 0.8, 15 + 2 * 5 - 1.5 / 20 * 25, 27.5 + 13.3 * 0.5])
+    assert ways.tolist() == pytest.approx(
+        [-3, 0, 4 + 0.8, 15 + 2 * 5 - 1.5 / 20 * 25, 27.5 + 13.3 * 0.5]
+    )
     there, same = changing.at(times), steady.at(ways)
     assert there.positions == pytest.approx(same.positions, abs=1e-12)
     assert there.speeds == pytest.approx(same.speeds * table.at(times)[:, None], abs=1e-12)
@@ -279,7 +342,9 @@ def test_the_first_contact_is_at_the_same_place_however_fast_the_head_goes(seed_
     assert hit.benches == (0, 8)
     assert hit.time == pytest.approx(float(march.time(plain.time)), abs=1e-10)
     assert hit.point == pytest.approx(plain.point, abs=1e-11)
-    assert [miss.gap for miss in hit.near_misses] == pytest.approx([miss.gap for miss in plain.near_misses], abs=1e-12)
+    assert [miss.gap for miss in hit.near_misses] == pytest.approx(
+        [miss.gap for miss in plain.near_misses], abs=1e-12
+    )
 
 
 def test_the_end_of_a_curve_is_reached_whatever_rounding_does():

@@ -10,12 +10,33 @@ import pytest
 from conftest import assert_says, refusal
 from test_curve_kinds import LogarithmicSpiral
 
-from pymunk_dragon import Dragon, March, Run, Scenario, SpeedTable, World, first_contact, player_page, report, simulate
+from pymunk_dragon import (
+    Dragon,
+    March,
+    Run,
+    Scenario,
+    SpeedTable,
+    World,
+    first_contact,
+    player_page,
+    report,
+    simulate,
+)
 from pymunk_dragon.collision import Grid, scan
 from pymunk_dragon.drawing import Film, render
 from pymunk_dragon.drawing.figures import figure
 from pymunk_dragon.errors import DragonError
-from pymunk_dragon.model.curves import Arc, Composite, Curve, Line, Reversed, Sampled, Spiral, UTurn, check_curve
+from pymunk_dragon.model.curves import (
+    Arc,
+    Composite,
+    Curve,
+    Line,
+    Reversed,
+    Sampled,
+    Spiral,
+    UTurn,
+    check_curve,
+)
 from pymunk_dragon.model.dragon import bench_poses, outlines
 from pymunk_dragon.reports import paper_tables, write_contact_table, write_tables
 from pymunk_dragon.sessions import Button, Key, Slider, live
@@ -34,7 +55,10 @@ METHODS = ("point", "tangent", "curvature", "max_curvature")
 # What a method returns whatever its arguments, in every element of its result, and in a wrong shape.
 WRONG = [
     *(lambda self, *arguments, value=value: value for value in (None, "1", [[1.0], [1.0, 2.0]])),
-    *(lambda self, s, *other, value=value: np.full(np.shape(s), value) for value in (1j, None, math.nan, math.inf)),
+    *(
+        lambda self, s, *other, value=value: np.full(np.shape(s), value)
+        for value in (1j, None, math.nan, math.inf)
+    ),
     lambda self, s, *other: np.ones((2, *np.shape(s))),
 ]
 
@@ -48,11 +72,21 @@ def test_curve_of_a_users_own_works_and_is_checked_when_its_author_wants_it():
     assert first_contact(march, until=3.0).status == "clear"
 
     def of(method, change):
-        return own(LogarithmicSpiral, **{method: lambda self, *s: change(getattr(LogarithmicSpiral, method)(self, *s))})
+        return own(
+            LogarithmicSpiral,
+            **{method: lambda self, *s: change(getattr(LogarithmicSpiral, method)(self, *s))},
+        )
 
     wrong = [own(LogarithmicSpiral, **{name: answer}) for name in METHODS for answer in WRONG]
-    wrong += [of(name, change) for name in METHODS for change in (lambda x: x * 0.99, lambda x: np.where(x > 1, x, 1))]
-    wrong += [of("max_curvature", lambda x: 0 * x), *(own(LogarithmicSpiral, begin_s=begin) for begin in (0.5, 2.0))]
+    wrong += [
+        of(name, change)
+        for name in METHODS
+        for change in (lambda x: x * 0.99, lambda x: np.where(x > 1, x, 1))
+    ]
+    wrong += [
+        of("max_curvature", lambda x: 0 * x),
+        *(own(LogarithmicSpiral, begin_s=begin) for begin in (0.5, 2.0)),
+    ]
     wrong += [of(name, np.nan_to_num) for name in METHODS[:3]]
     for curve in wrong:
         assert "Mine" in refusal(check_curve, curve).name
@@ -62,7 +96,11 @@ def test_curve_of_a_users_own_works_and_is_checked_when_its_author_wants_it():
     for ends in ((None, 1.0), (math.nan, 1.0), ("0", 1.0), (2.0, 1.0), (0.0, np.zeros(2))):
         curve = own(LogarithmicSpiral, begin_s=ends[0], end_s=ends[1])
         assert_says(refusal(check_curve, curve), "Mine.begin_s and end_s")
-    for arguments in ((None,), (Spiral,), *((Spiral(), *ends) for ends in (("0",), (-300, 1), (-1, -300), (10**400,)))):
+    for arguments in (
+        (None,),
+        (Spiral,),
+        *((Spiral(), *ends) for ends in (("0",), (-300, 1), (-1, -300), (10**400,))),
+    ):
         refusal(check_curve, *arguments)
 
 
@@ -82,8 +120,33 @@ def test_what_is_no_march_is_refused(tmp_path, monkeypatch):
 
 
 # Arguments of the wrong kind, and public functions of the model with arguments that they take.
-NONSENSE = [None, "text", "", [], {}, math.nan, -1, 1.5, True, 10**400, 1e308, object(), [[1], [1, 2]], ["a"], 1j]
-NONSENSE += [[None], np.zeros((2, 5)), np.zeros((0, 3)), [10**400], np.array("x"), len, float, np.arange(4.0) * 1e300]
+NONSENSE = [
+    None,
+    "text",
+    "",
+    [],
+    {},
+    math.nan,
+    -1,
+    1.5,
+    True,
+    10**400,
+    1e308,
+    object(),
+    [[1], [1, 2]],
+    ["a"],
+    1j,
+]
+NONSENSE += [
+    [None],
+    np.zeros((2, 5)),
+    np.zeros((0, 3)),
+    [10**400],
+    np.array("x"),
+    len,
+    float,
+    np.arange(4.0) * 1e300,
+]
 MARCH, POSES = March(SMALL), np.zeros((4, 3))
 CALLS = [
     (MARCH.at, {"times": [0.0], "handles": 2}),
@@ -105,7 +168,16 @@ CALLS = [
     (Run.load, {"path": "none.npz"}),
     (Run.exact, {"march": MARCH, "times": [0]}),
     (Run.exact(MARCH, [0, 1]).poses_at, {"times": [0]}),
-    (Run, {"march": MARCH, "times": [0.0], "poses": POSES[None], "drift": np.zeros((1, 4)), "provenance": {}}),
+    (
+        Run,
+        {
+            "march": MARCH,
+            "times": [0.0],
+            "poses": POSES[None],
+            "drift": np.zeros((1, 4)),
+            "provenance": {},
+        },
+    ),
     (Composite, {"pieces": [Line(stop=(9, 1))]}),
     (Scenario.from_dict, {"values": {"benches": 5}}),
     (Scenario.read, {"path": "none.toml"}),
@@ -115,8 +187,14 @@ CALLS = [
 ]
 PATH = Sampled([(0, 0), (3, 1), (6, 0), (9, 1)])
 for curve in (Line(stop=(9, 1)), Spiral(), UTurn(), PATH, Reversed(Arc(radius=3, sweep=2))):
-    CALLS += [(getattr(curve, name), {"s": 1.0}) for name in ("point", "tangent", "curvature", "frame", "turns")]
-    CALLS += [(curve.max_curvature, {"s": 1.0, "other": 2.0}), (curve.foot, {"points": [[1.0, 2.0]], "near": [1.0]})]
+    CALLS += [
+        (getattr(curve, name), {"s": 1.0})
+        for name in ("point", "tangent", "curvature", "frame", "turns")
+    ]
+    CALLS += [
+        (curve.max_curvature, {"s": 1.0, "other": 2.0}),
+        (curve.foot, {"points": [[1.0, 2.0]], "near": [1.0]}),
+    ]
     CALLS += [(curve.chain, {"s": 1.0, "spacings": [1.0]}), (curve.at_turn, {"turns": 3.0})]
 
 
@@ -139,13 +217,27 @@ REFUSED = [
     (paper_tables, {"march": 3, "impact_time": None}, "march"),
     (write_tables, {"march": 3, "times": [0], "path": "new.xlsx"}, "march"),
     (write_tables, {"march": MARCH, "times": [10**400], "path": "new.xlsx"}, "times"),
-    (write_contact_table, {"march": MARCH, "impact_time": 10**400, "path": "new.xlsx"}, "impact_time"),
+    (
+        write_contact_table,
+        {"march": MARCH, "impact_time": 10**400, "path": "new.xlsx"},
+        "impact_time",
+    ),
     (figure, {"name": "gap", "source": 0}, "source"),
     (figure, {"name": "gap", "source": March(SMALL, turns=1e-300)}, "march"),
     (render, {"source": MARCH, "path": "new.png", "film": 0}, "film"),
     *((sweep, {"scenario": value, "axes": {"pitch": [0.5]}}, "scenario") for value in (0, "")),
     *(
-        (Run, {"march": MARCH, "times": [0.0], "poses": POSES[None], "drift": np.zeros((1, 4)), name: value}, name)
+        (
+            Run,
+            {
+                "march": MARCH,
+                "times": [0.0],
+                "poses": POSES[None],
+                "drift": np.zeros((1, 4)),
+                name: value,
+            },
+            name,
+        )
         for name, value in (("first_contact", 1.5), ("events", [None]), ("wall_seconds", "x"))
     ),
     (Film, {"start": "x"}, "start"),
@@ -155,7 +247,11 @@ REFUSED = [
     (Button, {"name": 3, "action": 4}, "name"),
     (Button, {"name": "a", "action": 4}, "action"),
     (Key, {"name": "a", "action": print, "up": "x"}, "up"),
-    (outlines, {"poses": POSES, "lengths": np.array([1.0, 0.0, 1.0, 1.0]), "width": 1.0}, "lengths"),
+    (
+        outlines,
+        {"poses": POSES, "lengths": np.array([1.0, 0.0, 1.0, 1.0]), "width": 1.0},
+        "lengths",
+    ),
     (PATH.chain, {"s": [1.0], "spacings": [math.nan]}, "spacings"),
     (first_contact, {"march": MARCH, "until": 1.0, "progress": 3}, "progress"),
     # Also on a curve without end.
@@ -173,11 +269,25 @@ def test_a_wrong_argument_is_refused_by_the_call_that_receives_it(call, argument
 
 
 def test_what_does_not_apply_to_a_march_is_refused_by_a_live_session():
-    others = {"on_step": print, "step": 0.1, "controls": [Button("a", print)], "plots": {"a": len}, "y_down": True}
+    others = {
+        "on_step": print,
+        "step": 0.1,
+        "controls": [Button("a", print)],
+        "plots": {"a": len},
+        "y_down": True,
+    }
     for name, value in others.items():
         assert refusal(live, MARCH, browser=False, **{name: value}).name == name
-    for name, value in {"controls": "x", "on_step": 5, "plots": {"a": 1}, "events": ["a", 3], "port": -1}.items():
-        assert name.rstrip("s") in str(refusal(live, pymunk.Space(), browser=False, **{name: value}))
+    for name, value in {
+        "controls": "x",
+        "on_step": 5,
+        "plots": {"a": 1},
+        "events": ["a", 3],
+        "port": -1,
+    }.items():
+        assert name.rstrip("s") in str(
+            refusal(live, pymunk.Space(), browser=False, **{name: value})
+        )
 
 
 def test_times_far_beyond_a_run_have_its_last_poses():

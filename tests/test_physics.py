@@ -56,7 +56,9 @@ def shapely_gap(march, time, pair, poses=None):
 @pytest.fixture(scope="module", params=["late", pytest.param("whole", marks=pytest.mark.thorough)])
 def any_march(request, seed_march, late_run):
     """The paper's dragon to its first contact at the default settings, from 400 s, and from 0 s."""
-    return late_run if request.param == "late" else shared_run("whole", lambda: simulate(seed_march))
+    return (
+        late_run if request.param == "late" else shared_run("whole", lambda: simulate(seed_march))
+    )
 
 
 @pytest.fixture(scope="module")
@@ -137,18 +139,30 @@ def test_engine_takes_nothing_but_the_heads_pose_from_the_exact_model(monkeypatc
         # A motor pulls the head.
         (SIXTEEN, {"start": 405.0, "until": 406.0, "contacts": "resolve"}, 5e-6),
         (March(Dragon(benches=3)), {"until": 20.0, "contacts": "resolve", "substep": 0.02}, 100e-6),
-        (March(Dragon(benches=9, head_spacing=1.4, body_spacing=1), DRAWN, speed=TABLE), {"until": 9.0}, 2e-3),
-        (March(Dragon(benches=12, head_spacing=0.9, body_spacing=0.8, overhang=0.1), HAIRPIN), {"until": 9.0}, 2e-3),
+        (
+            March(Dragon(benches=9, head_spacing=1.4, body_spacing=1), DRAWN, speed=TABLE),
+            {"until": 9.0},
+            2e-3,
+        ),
+        (
+            March(Dragon(benches=12, head_spacing=0.9, body_spacing=0.8, overhang=0.1), HAIRPIN),
+            {"until": 9.0},
+            2e-3,
+        ),
     ],
 )
 def test_engine_keeps_to_the_model(march, settings, bound):
     run = simulate(march, **settings)
     assert run.max_drift < bound
-    assert run.first_contact is None or run.first_contact.time == pytest.approx(TRUE_TIME, abs=10e-6)
+    assert run.first_contact is None or run.first_contact.time == pytest.approx(
+        TRUE_TIME, abs=10e-6
+    )
 
 
 def test_benches_of_their_own_sizes_weigh_and_reach_what_they_should():
-    dragon = Dragon(body_spacing=[1.65, 2.5, 1.65], overhang=[0.2, 0.4, 0.1, 0.3], width=[0.2, 0.5, 0.3, 0.4])
+    dragon = Dragon(
+        body_spacing=[1.65, 2.5, 1.65], overhang=[0.2, 0.4, 0.1, 0.3], width=[0.2, 0.5, 0.3, 0.4]
+    )
     march = March(dragon, turns=10)
     assert simulate(march, until=4.0).max_drift <= MAX_DRIFT
     head, *others = World(march, "none").bodies
@@ -189,7 +203,9 @@ def steps(world, count):
 @pytest.mark.parametrize("contacts", ["stop", "resolve"])
 def test_joints_begin_with_the_tension_that_the_drag_makes(contacts):
     """Each joint of a straight chain that nobody guides makes up for what the ground takes from all benches behind."""
-    world = World(March(Dragon(benches=500), Line(stop=(2000, 0)), start_s=1000.0), "none", contacts=contacts)
+    world = World(
+        March(Dragon(benches=500), Line(stop=(2000, 0)), start_s=1000.0), "none", contacts=contacts
+    )
     behind = np.cumsum(world.masses[:0:-1])[::-1]
     tension = behind * (1 - world.space.damping**world.substep) / world.substep
     np.testing.assert_allclose(world.joint_forces, tension, rtol=1e-6)
@@ -274,7 +290,9 @@ def test_report_plays_on_without_pushing_and_shows_when_the_benches_part(reporte
     times = [event.time for event in reported.events]
     assert times == sorted(times)
     assert all(event.benches[1] - event.benches[0] > 1 for event in reported.events)
-    assert all(len(event.points) in (1, 2) for event in reported.events if event.phase != "separate")
+    assert all(
+        len(event.points) in (1, 2) for event in reported.events if event.phase != "separate"
+    )
 
 
 def test_reported_depths_are_the_overlaps_of_the_outlines(reported, seed_march):
@@ -317,7 +335,9 @@ def test_head_is_stopped_by_what_it_runs_into(reported):
     assert speeds[0].min() > 0.7
     assert speeds[-1].max() < 0.05
     # The engine pushes the benches apart.
-    deepest = [max(event.depth for event in of_phase(each, "pre_solve")) for each in (run, reported)]
+    deepest = [
+        max(event.depth for event in of_phase(each, "pre_solve")) for each in (run, reported)
+    ]
     assert deepest[0] < 0.5 * deepest[1]
     assert max(np.dot(event.impulse, event.normal) for event in of_phase(run, "post_solve")) > 0
 
@@ -355,7 +375,12 @@ def test_callback_is_told_every_event_and_what_it_raises_comes_after_the_step(ca
 
 def test_clear_run_ends_when_it_shall_and_tells_its_progress():
     told = []
-    run = simulate(SIXTEEN, start=10.0, until=10.38, progress=lambda *told_now: told.append(np.round(told_now, 9)))
+    run = simulate(
+        SIXTEEN,
+        start=10.0,
+        until=10.38,
+        progress=lambda *told_now: told.append(np.round(told_now, 9)),
+    )
     assert (run.outcome, run.first_contact) == ("clear", None)
     # An overlap at the start is a contact at the start.
     overlapping = simulate(SIXTEEN, start=413.0).first_contact
@@ -374,7 +399,9 @@ def test_run_ends_where_the_curve_leaves_the_head_no_place():
     assert refusal(march.at, after, handles=2, error=UnreachableError).handle == 1
     assert np.all(np.isfinite(run.poses))
     # Long body benches stop fitting before the head does: the engine plays on, and their drift cannot be known.
-    run = simulate(March(Dragon(benches=3, head_spacing=1.0, body_spacing=2.6, width=0.02)), start=430.0)
+    run = simulate(
+        March(Dragon(benches=3, head_spacing=1.0, body_spacing=2.6, width=0.02)), start=430.0
+    )
     assert np.isnan(run.drift[-1]).tolist() == [False, True, True]
     assert np.isfinite(run.max_drift)
 
@@ -421,13 +448,17 @@ def test_unusable_settings_are_refused_by_name(seed_march):
         for name in ("start", "until", "substep", "iterations", "frame_interval", "head_force")
         for value in NO_NUMBERS
         # None asks for the default, and a run may start at 0 s or before.
-        if value is not None and not (name == "start" and isinstance(value, int) and value in (0, -1))
+        if value is not None
+        and not (name == "start" and isinstance(value, int) and value in (0, -1))
     ]
     wrong = [("joints", lambda self, bench, body: None), ("anchors", 3), ("anchors", [3])]
     wrong += [("free_from", bench) for bench in (0, 8, "tail")]
     cases += [
         *(("guide", {"guide": guide}) for guide in ("ropes", Rails, object(), 3)),
-        *((f"Mine.{name}", {"guide": type("Mine", (PathGuide,), {name: value})()}) for name, value in wrong),
+        *(
+            (f"Mine.{name}", {"guide": type("Mine", (PathGuide,), {name: value})()})
+            for name, value in wrong
+        ),
         ("contacts", {"contacts": "ignore"}),
         *(("until", {"start": 5.0, "until": until}) for until in (5.0, 1e300)),
         *(("substep", {"substep": substep}) for substep in (1.0, 1e-9)),
@@ -441,5 +472,7 @@ def test_unusable_settings_are_refused_by_name(seed_march):
 
 
 def test_chain_that_flies_apart_is_an_error_not_a_run(monkeypatch):
-    monkeypatch.setattr(World, "read", lambda world: setattr(world, "velocities", world.velocities * np.nan))
+    monkeypatch.setattr(
+        World, "read", lambda world: setattr(world, "velocities", world.velocities * np.nan)
+    )
     assert_says(refusal(simulate, CIRCLE, until=0.5, error=DragonError), "flew apart")

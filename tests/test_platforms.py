@@ -8,7 +8,20 @@ from pathlib import Path
 import pymunk_dragon
 
 # Modules of the standard library that Windows lacks.
-POSIX = {"crypt", "curses", "fcntl", "grp", "posix", "pty", "pwd", "resource", "spwd", "syslog", "termios", "tty"}
+POSIX = {
+    "crypt",
+    "curses",
+    "fcntl",
+    "grp",
+    "posix",
+    "pty",
+    "pwd",
+    "resource",
+    "spwd",
+    "syslog",
+    "termios",
+    "tty",
+}
 
 # Python in a browser imports `threading`, `signal` and `subprocess`, but starts no thread and no process.
 BROWSER = """

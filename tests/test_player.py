@@ -29,7 +29,13 @@ from pymunk_dragon.drawing.figures import figure
 from pymunk_dragon.drawing.notebook import picture
 from pymunk_dragon.drawing.palette import Palette
 from pymunk_dragon.model.contact import ContactEvent, ContactLog
-from pymunk_dragon.player.data import _contact_windows, _exact_offsets, _handle_vectors, curve_points, pack
+from pymunk_dragon.player.data import (
+    _contact_windows,
+    _exact_offsets,
+    _handle_vectors,
+    curve_points,
+    pack,
+)
 
 SMALL = March(Dragon(benches=16), turns=8)
 MARKUP = "</script><img src=http://127.0.0.1:9/x onerror=alert(1)><!--<script>{{style}}&amp;"
@@ -44,7 +50,9 @@ class Page:
     def __init__(self, text):
         soup = BeautifulSoup(text, "html.parser")
         self.tags = [(tag.name, tag.attrs) for tag in soup.find_all(True)]
-        self.blocks = {tag.get("id", tag.name): tag.string or "" for tag in soup.find_all(["script", "style"])}
+        self.blocks = {
+            tag.get("id", tag.name): tag.string or "" for tag in soup.find_all(["script", "style"])
+        }
         self.text = " ".join(soup.get_text().split())
         self.payload = json.loads(self.blocks["payload"])
 
@@ -53,7 +61,9 @@ def unpacked(shape, text):
     """Vectors (F, H, 2) in m or m/s, one number after the other."""
     planes = np.frombuffer(zlib.decompress(b64decode(text)), dtype=np.uint8).astype(np.int64)
     folded = (planes.reshape(4, -1) << np.array([0, 8, 16, 24])[:, None]).sum(axis=0)
-    change = np.where(folded % 2, -(folded + 1) // 2, folded // 2).reshape(shape["points"], 2, shape["frames"])
+    change = np.where(folded % 2, -(folded + 1) // 2, folded // 2).reshape(
+        shape["points"], 2, shape["frames"]
+    )
     for _ in range(shape["order"]):
         change = np.cumsum(change, axis=-1) % COUNTS
     signed = (change + COUNTS // 2) % COUNTS - COUNTS // 2
@@ -93,14 +103,19 @@ def test_places_and_velocities_come_back_as_near_as_the_page_says(run, page):
 
 
 @given(
-    arrays(float, st.tuples(st.integers(1, 12), st.just(3), st.just(2)), elements=st.floats(-1e6, 1e6)), st.booleans()
+    arrays(
+        float, st.tuples(st.integers(1, 12), st.just(3), st.just(2)), elements=st.floats(-1e6, 1e6)
+    ),
+    st.booleans(),
 )
 @examples(50)
 def test_any_jump_comes_back(places, far):
     # A double of 1e9 m is 1e-7 m wide.
     places = places + 1e9 * far
     shape, text = pack(places, 5e-6)
-    np.testing.assert_allclose(unpacked(shape, text), places, rtol=0, atol=0.501 * shape["step"] + 5e-7)
+    np.testing.assert_allclose(
+        unpacked(shape, text), places, rtol=0, atol=0.501 * shape["step"] + 5e-7
+    )
     assert shape["step"] <= max(5e-6, np.ptp(places, axis=(0, 1)).max() / 2**31)
 
 
@@ -110,13 +125,18 @@ def test_seeds_whole_run_fits_into_2_megabytes_and_has_its_near_misses(seed_marc
     payload = Page(text).payload
     assert payload["handles"]["step"] == pytest.approx(0.2e-6)
     assert [len(payload["times"]), payload["handles"]["points"]] == [4125, 224]
-    misses = [(each["benches"], round(each["time"], 1), round(1e3 * each["gap"], 1)) for each in payload["near_misses"]]
+    misses = [
+        (each["benches"], round(each["time"], 1), round(1e3 * each["gap"], 1))
+        for each in payload["near_misses"]
+    ]
     assert misses == [([0, 9], 406.8, 3.0), ([0, 11], 409.8, 0.9)]
     # The curve is drawn from the tail at the start to the centre.
     ends = [seed_march.at(0.0).positions[0, -1], [0, 0]]
     np.testing.assert_allclose(curve_points(seed_march, 0.0, 1.0)[[0, -1]], ends, atol=1e-4)
     # A dragon off its path has none of them.
-    off = replace(Run.exact(seed_march, [409.0, 410.0]), provenance={"player": "pymunk", "free_from": 1})
+    off = replace(
+        Run.exact(seed_march, [409.0, 410.0]), provenance={"player": "pymunk", "free_from": 1}
+    )
     assert Page(player_page(off)).payload["near_misses"] == []
 
 
@@ -134,11 +154,15 @@ def test_curve_is_drawn_all_along_within_a_tenth_of_a_millimetre(march, begin, e
     # From far away the page takes only every so many points, and counts on the square of their number.
     rough = LineString([*drawn.coords[:-1:3], drawn.coords[-1]])
     assert rough.distance(points(curve)).max() < allowed * 9
-    np.testing.assert_allclose([drawn.coords[0], drawn.coords[-1]], march.curve.point([first, last]), atol=1e-9)
+    np.testing.assert_allclose(
+        [drawn.coords[0], drawn.coords[-1]], march.curve.point([first, last]), atol=1e-9
+    )
 
 
 def test_markup_in_titles_provenance_and_data_is_text(run, page, monkeypatch):
-    odd = replace(run, provenance={"player": MARKUP, MARKUP: MARKUP, "versions": {MARKUP: [MARKUP]}})
+    odd = replace(
+        run, provenance={"player": MARKUP, MARKUP: MARKUP, "versions": {MARKUP: [MARKUP]}}
+    )
     for title in (None, MARKUP):
         found = Page(player_page(odd, title=title))
         assert {tag for tag, _ in found.tags} == {tag for tag, _ in page.tags}
@@ -147,14 +171,23 @@ def test_markup_in_titles_provenance_and_data_is_text(run, page, monkeypatch):
         assert found.blocks["script"] == page.blocks["script"]
     module = import_module("pymunk_dragon.player.page")
     data = module.player_data
-    monkeypatch.setattr(module, "player_data", lambda summary: (data(summary)[0] | {"note": MARKUP}, data(summary)[1]))
+    monkeypatch.setattr(
+        module,
+        "player_data",
+        lambda summary: (data(summary)[0] | {"note": MARKUP}, data(summary)[1]),
+    )
     found = Page(player_page(run))
     assert (found.tags, found.payload["note"]) == (page.tags, MARKUP)
 
 
 def test_policy_allows_the_pages_own_script_and_style_and_nothing_else(page):
     [content] = [found["content"] for tag, found in page.tags if "http-equiv" in found]
-    expected = {"default-src": "'none'", "img-src": "data:", "base-uri": "'none'", "form-action": "'none'"}
+    expected = {
+        "default-src": "'none'",
+        "img-src": "data:",
+        "base-uri": "'none'",
+        "form-action": "'none'",
+    }
     for kind in ("script", "style"):
         digest = b64encode(sha256(page.blocks[kind].encode()).digest()).decode()
         expected[f"{kind}-src"] = f"'sha256-{digest}'"
@@ -206,8 +239,12 @@ def test_windows_begin_at_the_first_contact(run, seed_march):
     assert payload["times"] == [412.0, 412.4, window["begin"], 412.6]
 
     def windows(events, time, benches=(0, 8)):
-        first = Contact(time=time, raw_time=2.0, benches=benches, point=(0.0, 0.0), normal=(1.0, 0.0), depth=0.0)
-        log = ContactLog(tuple(ContactEvent(time=at, phase=phase, benches=pair) for at, phase, pair in events))
+        first = Contact(
+            time=time, raw_time=2.0, benches=benches, point=(0.0, 0.0), normal=(1.0, 0.0), depth=0.0
+        )
+        log = ContactLog(
+            tuple(ContactEvent(time=at, phase=phase, benches=pair) for at, phase, pair in events)
+        )
         found = _contact_windows(replace(run, events=log, first_contact=first))
         return [(each["benches"], each["begin"], each["end"]) for each in found]
 
@@ -231,7 +268,9 @@ def test_texts_of_the_page_and_of_its_run_are_in_both_languages(run, page):
 
 def test_offsets_of_the_exact_model_come_back_within_half_a_micrometre(small_run, page):
     run = small_run
-    offsets = run.march.at(run.times).positions - _handle_vectors(*run.march.dragon.holes(run.poses))
+    offsets = run.march.at(run.times).positions - _handle_vectors(
+        *run.march.dragon.holes(run.poses)
+    )
     text = player_page(run)
     found = Page(text)
     assert found.payload["exact"]["step"] == pytest.approx(0.5e-6)
@@ -259,7 +298,9 @@ def has(picture, part):
 
 def test_run_is_a_picture_of_its_end(run):
     assert not has(opened(picture(run)), "contact")
-    contact = Contact(time=10.0, raw_time=10.0, benches=(0, 8), point=(1.0, 2.0), normal=(0.0, 1.0), depth=0.0)
+    contact = Contact(
+        time=10.0, raw_time=10.0, benches=(0, 8), point=(1.0, 2.0), normal=(0.0, 1.0), depth=0.0
+    )
     assert has(opened(picture(replace(run, first_contact=contact, outcome="contact"))), "contact")
 
 

@@ -112,7 +112,9 @@ def test_page_asks_for_nothing_and_runs_only_its_own_script(browser, bumpy, tmp_
         settled(page, "true")
         page.keyboard.press("Space")
         settled(page, "player.time > 77.6")
-        assert [url for url in found.addresses if not url.startswith("data:")] == [page.url.partition("#")[0]]
+        assert [url for url in found.addresses if not url.startswith("data:")] == [
+            page.url.partition("#")[0]
+        ]
         assert page.is_hidden("#failure")
         page.click("#help")
         assert LABEL in shown(page, "about")
@@ -123,7 +125,9 @@ def test_page_asks_for_nothing_and_runs_only_its_own_script(browser, bumpy, tmp_
           document.getElementById("b").click();
         }""")
         assert found.boxes == []
-        assert ["Content Security Policy" in complaint for complaint in found.complaints] == [True] * 3
+        assert ["Content Security Policy" in complaint for complaint in found.complaints] == [
+            True
+        ] * 3
 
 
 def test_poses_at_and_between_frames_are_the_runs(visit, seed, bumpy):
@@ -178,7 +182,12 @@ def test_playing_slows_down_to_an_eighth_at_near_misses_and_contacts(visit):
 
 def test_keys_step_through_frames_and_events(visit):
     with visit("#t=409.85") as page:
-        for key, time in {"ArrowRight": 409.9, "ArrowLeft": 409.8, "End": 412.6, "Home": 405.0}.items():
+        for key, time in {
+            "ArrowRight": 409.9,
+            "ArrowLeft": 409.8,
+            "End": 412.6,
+            "Home": 405.0,
+        }.items():
             page.keyboard.press(key)
             assert ask(page, "player.time") == pytest.approx(time), key
         page.fill("#time", "406.25")
@@ -231,22 +240,35 @@ def test_hover_tells_the_exact_models_numbers(visit, seed):
             assert shown(page, "gap").endswith(f"mm to {nearest}")
             numbers = ask(page, f"player.numbers({bench})")
             assert numbers["gap"] == pytest.approx(gaps[nearest], abs=4 * RESOLUTION)
-            assert numbers["velocity"] == pytest.approx(states.velocities[0, bench].tolist(), abs=3e-4)
+            assert numbers["velocity"] == pytest.approx(
+                states.velocities[0, bench].tolist(), abs=3e-4
+            )
 
 
 def test_exact_poses_and_position_errors_are_the_models(visit, bumpy):
     march, time = bumpy.march, 80.0
     with visit(f"#t={time}&follow=head&show=exact", run=bumpy) as page:
         exact = np.array(ask(page, f"player.exactPoses({time})"))
-        np.testing.assert_allclose(exact[:, :2], march.at([time]).poses[0, :, :2], rtol=0, atol=2e-6)
-        assert int(shown(page, "legend-exact-text").removeprefix("Exact model, error × ").replace(",", "")) > 1
+        np.testing.assert_allclose(
+            exact[:, :2], march.at([time]).poses[0, :, :2], rtol=0, atol=2e-6
+        )
+        assert (
+            int(
+                shown(page, "legend-exact-text")
+                .removeprefix("Exact model, error × ")
+                .replace(",", "")
+            )
+            > 1
+        )
         for bench in (0, 7, 15):
             page.fill("#bench", str(bench))
             front, rear = (hole[0, bench] for hole in march.dragon.holes(bumpy.poses_at([time])))
             ends = march.at([time]).positions[0, bench : bench + 2]
             error = max(np.linalg.norm(front - ends[0]), np.linalg.norm(rear - ends[1]))
             number, unit = shown(page, "error").split()
-            assert float(number) * {"mm": 1e-3, "μm": 1e-6}[unit] == pytest.approx(error, rel=0.05, abs=1e-6)
+            assert float(number) * {"mm": 1e-3, "μm": 1e-6}[unit] == pytest.approx(
+                error, rel=0.05, abs=1e-6
+            )
     # A run of the exact model has nothing to compare.
     with visit("#show=exact") as page:
         assert ask(page, "player.exactPoses(409)") is None
@@ -272,17 +294,32 @@ def test_link_restores_moment_view_and_switches(visit):
         head = ask(page, "player.poses(410.5)[0]")
         view = ask(page, "(player.draw(), player.view)")
         assert [view["x"], view["y"]] == pytest.approx(head[:2])
-    for link in ("#t=soon&at=1&span=-3&show=all&bench=9999&speed=3", "#t=1e999&%", "#lang=toString"):
+    for link in (
+        "#t=soon&at=1&span=-3&show=all&bench=9999&speed=3",
+        "#t=1e999&%",
+        "#lang=toString",
+    ):
         with visit(link) as page:
             assert ask(page, "[player.time, player.view.follow]") == [405, "field"]
 
 
 def test_page_fits_into_the_window_with_every_control_in_sight(visit, bumpy):
-    for width, height, language in ((1280, 800, ""), (844, 390, "?zh"), (390, 844, ""), (320, 568, "?zh")):
+    for width, height, language in (
+        (1280, 800, ""),
+        (844, 390, "?zh"),
+        (390, 844, ""),
+        (320, 568, "?zh"),
+    ):
         with visit(f"{language}#show=curve,exact", run=bumpy, width=width, height=height) as page:
             root = "document.documentElement"
-            assert page.evaluate(f"{root}.scrollWidth <= {width} && {root}.scrollHeight <= {height}")
-            assert [page.evaluate(script) for script in (OUT_OF_SIGHT, CUT, NAMELESS)] == [[], [], []]
+            assert page.evaluate(
+                f"{root}.scrollWidth <= {width} && {root}.scrollHeight <= {height}"
+            )
+            assert [page.evaluate(script) for script in (OUT_OF_SIGHT, CUT, NAMELESS)] == [
+                [],
+                [],
+                [],
+            ]
             assert page.locator("#field").bounding_box()["height"] > 150
 
 
@@ -309,7 +346,9 @@ def test_colours_are_those_of_the_readers_scheme(visit):
         places = [ask(page, f"player.poses(409)[{bench}]")[:2] for bench in (0, 50, 222)]
         for palette, scheme in ((COLOURS, "light"), (DARK, "dark")):
             page.emulate_media(color_scheme=scheme)
-            wait_until(page, f"({COLOUR})([12, 0]).then((colour) => colour === {palette.background!r})")
+            wait_until(
+                page, f"({COLOUR})([12, 0]).then((colour) => colour === {palette.background!r})"
+            )
             colours = [page.evaluate(COLOUR, place) for place in places]
             assert colours == [palette.head, palette.body, palette.tail]
 
@@ -327,8 +366,12 @@ def test_other_marches_and_odd_runs_are_shown(visit):
         for name in ("show-velocities", "show-grid", "show-labels", "show-handles"):
             page.check(f"#{name}")
         for time in run.times[[0, 30, 80]].tolist():
-            poses = np.array(ask(page, f"(player.seek({time!r}), player.draw(), player.poses({time!r}))"))
-            np.testing.assert_allclose(poses[:, :2], run.poses_at([time])[0, :, :2], rtol=0, atol=resolution)
+            poses = np.array(
+                ask(page, f"(player.seek({time!r}), player.draw(), player.poses({time!r}))")
+            )
+            np.testing.assert_allclose(
+                poses[:, :2], run.poses_at([time])[0, :, :2], rtol=0, atol=resolution
+            )
         corners = [Polygon(outline) for outline in TRACTOR.dragon.outlines(run.poses_at([time])[0])]
         gap = min(corners[0].distance(other) for other in corners[2:])
         assert ask(page, "player.numbers(0).gap") == pytest.approx(gap, abs=4 * resolution)
@@ -342,7 +385,17 @@ def test_player_works_in_a_frame_that_allows_scripts_only(browser, bumpy, how):
         assert frame.evaluate("document.documentElement.lang") == "zh"
         frame.click("#help")
         frame.click("#close")
-        for name in ("next", "forward", "back", "previous", "zoom-in", "follow", "fit", "timeline-in", "timeline-all"):
+        for name in (
+            "next",
+            "forward",
+            "back",
+            "previous",
+            "zoom-in",
+            "follow",
+            "fit",
+            "timeline-in",
+            "timeline-all",
+        ):
             frame.click(f"#{name}")
         frame.check("#show-handles")
         frame.fill("#bench", "3")

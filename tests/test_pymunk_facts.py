@@ -234,7 +234,9 @@ def test_impulse_of_a_pair_that_touches_again_at_once_counts_the_earlier_one_too
     space.collision_slop = 0
     space.add(body, pymunk.Circle(body, 1), pymunk.Segment(space.static_body, (-9, -1), (9, -1), 0))
     found = []
-    space.on_collision(post_solve=lambda arbiter, space, data: found.append(arbiter.total_impulse.length))
+    space.on_collision(
+        post_solve=lambda arbiter, space, data: found.append(arbiter.total_impulse.length)
+    )
     gained = []
     for velocity in (-1, 5, 0, -10):
         body.velocity = 0, velocity
@@ -346,19 +348,27 @@ def passed(size, wall, step, share, shape):
 
 
 @pytest.mark.parametrize("shape", [ball, square])
-@pytest.mark.parametrize(("size", "wall", "step"), [(0.2, 0.1, 1 / 60), (0.1, 0.1, 1 / 50), (0.6, 0.1, 1 / 50)])
-def test_share_that_passes_a_wall_is_one_less_half_the_overlap_over_the_way_of_a_step(size, wall, step, shape):
+@pytest.mark.parametrize(
+    ("size", "wall", "step"), [(0.2, 0.1, 1 / 60), (0.1, 0.1, 1 / 50), (0.6, 0.1, 1 / 50)]
+)
+def test_share_that_passes_a_wall_is_one_less_half_the_overlap_over_the_way_of_a_step(
+    size, wall, step, shape
+):
     phases = [(number + 0.5) / 100 for number in range(100)]
     flights = [passed(size, wall, step, share, shape) for share in phases]
     overlap, way = size + wall, 30 * step
-    assert sum(behind for behind, _ in flights) / 100 == pytest.approx(1 - overlap / 2 / way, abs=0.01)
+    assert sum(behind for behind, _ in flights) / 100 == pytest.approx(
+        1 - overlap / 2 / way, abs=0.01
+    )
     missed = sum(not noticed for _, noticed in flights) / 100
     assert missed == pytest.approx(max(0, 1 - overlap / way), abs=0.01)
     assert all(behind for behind, noticed in flights if not noticed)
 
 
 def test_table_of_the_guide_to_contacts_has_the_shares_of_both_formulas():
-    rows = re.findall(r"^(\d+) m/s: +([\d.]+) % pass, +([\d.]+) % missed", GUIDES["contacts"].text, re.MULTILINE)
+    rows = re.findall(
+        r"^(\d+) m/s: +([\d.]+) % pass, +([\d.]+) % missed", GUIDES["contacts"].text, re.MULTILINE
+    )
     assert len(rows) == 4
     for speed, passing, missed in rows:
         way = float(speed) / 60
@@ -383,7 +393,10 @@ def chain(space, links):
 
 
 def largest_gap(joints):
-    ends = [(joint.a.local_to_world(joint.anchor_a), joint.b.local_to_world(joint.anchor_b)) for joint in joints]
+    ends = [
+        (joint.a.local_to_world(joint.anchor_a), joint.b.local_to_world(joint.anchor_b))
+        for joint in joints
+    ]
     return max((one - other).length for one, other in ends)
 
 
@@ -638,7 +651,9 @@ def test_floor_that_is_moved_away_leaves_a_body_asleep_and_one_that_is_removed_w
 # Copies, and runs that are repeated
 
 
-@pytest.mark.parametrize("copied", [pymunk.Space.copy, lambda space: pickle.loads(pickle.dumps(space))])
+@pytest.mark.parametrize(
+    "copied", [pymunk.Space.copy, lambda space: pickle.loads(pickle.dumps(space))]
+)
 class TestCopies:
     def test_joints_of_a_copy_have_lost_their_impulses(self, copied):
         space = pymunk.Space()
@@ -649,11 +664,15 @@ class TestCopies:
 
     def test_corners_of_a_box_are_numbered_from_another_one_on(self, copied):
         space, *_ = pair(shape=box, distance=3)
-        [before, _], [after, _] = ([shape.get_vertices() for shape in each.shapes] for each in (space, copied(space)))
+        [before, _], [after, _] = (
+            [shape.get_vertices() for shape in each.shapes] for each in (space, copied(space))
+        )
         assert set(before) == set(after)
         assert before != after
 
-    def test_contacts_of_boxes_begin_without_their_impulses_and_those_of_balls_with_them(self, copied):
+    def test_contacts_of_boxes_begin_without_their_impulses_and_those_of_balls_with_them(
+        self, copied
+    ):
         def step_after(shape):
             space = pymunk.Space()
             space.gravity, space.iterations = (0, -10), 1

@@ -153,13 +153,19 @@ JOINTS = {
     "pivot": lambda space, ground: pymunk.PivotJoint(ground, bob(space), (0, 0), (0, 1)),
     "pin": lambda space, ground: pymunk.PinJoint(ground, bob(space), (0, 0), (0, 0)),
     "slide": lambda space, ground: pymunk.SlideJoint(ground, bob(space), (0, 0), (0, 0), 0, 1),
-    "groove": lambda space, ground: pymunk.GrooveJoint(ground, bob(space), (-1, -1), (1, -1), (0, 0)),
+    "groove": lambda space, ground: pymunk.GrooveJoint(
+        ground, bob(space), (-1, -1), (1, -1), (0, 0)
+    ),
     "motor": lambda space, ground: pymunk.SimpleMotor(ground, lever(space), 0),
     "gear": lambda space, ground: pymunk.GearJoint(ground, lever(space), 0, 1),
     "limit": lambda space, ground: pymunk.RotaryLimitJoint(ground, lever(space), 0, 1),
     "ratchet": lambda space, ground: pymunk.RatchetJoint(ground, lever(space), 0, math.pi),
-    "spring": lambda space, ground: pymunk.DampedSpring(ground, bob(space), (0, 0), (0, 0), 0.9, 100, 50),
-    "rotary spring": lambda space, ground: pymunk.DampedRotarySpring(ground, lever(space), 0.01, 1000, 90),
+    "spring": lambda space, ground: pymunk.DampedSpring(
+        ground, bob(space), (0, 0), (0, 0), 0.9, 100, 50
+    ),
+    "rotary spring": lambda space, ground: pymunk.DampedRotarySpring(
+        ground, lever(space), 0.01, 1000, 90
+    ),
 }
 TORQUES = {"motor", "gear", "limit", "ratchet", "rotary spring"}
 
@@ -254,7 +260,9 @@ def test_ball_that_touches_again_at_once_has_the_impulse_of_its_second_contact()
         before = body.velocity.y
         readings.before_step(0.01)
         space.step(0.01)
-        assert readings.contacts()[:, 4] == pytest.approx(body.velocity.y - before if velocity in (-1, -10) else [])
+        assert readings.contacts()[:, 4] == pytest.approx(
+            body.velocity.y - before if velocity in (-1, -10) else []
+        )
 
 
 def test_impulse_in_post_solve_is_the_change_of_momentum_also_after_a_change_of_the_step():
@@ -273,7 +281,14 @@ def test_impulse_in_post_solve_is_the_change_of_momentum_also_after_a_change_of_
     space.on_collision(pre_solve=pre_solve)
     space.on_collision(post_solve=post_solve, data=ratios)
     # It touches, leaves, touches again, and is pressed down in steps of several lengths.
-    for velocity, length in ((-1, 0.01), (5, 0.01), (-9, 0.01), (-2, 0.01), (-2, 0.005), (-1, 0.01)):
+    for velocity, length in (
+        (-1, 0.01),
+        (5, 0.01),
+        (-9, 0.01),
+        (-2, 0.01),
+        (-2, 0.005),
+        (-1, 0.01),
+    ):
         ratios.append(length / (space.current_time_step or length))
         body.velocity = 0, velocity
         found.clear()
@@ -456,7 +471,9 @@ def test_slider_of_the_step_does_not_jolt_a_dragon_that_only_the_head_pulls(fact
 
 
 def test_world_changes_its_substep_gradually_and_its_forces_are_those_that_change_momenta():
-    world = World(March(Dragon(benches=30), Line(stop=(400, 0)), start_s=200.0), "none", contacts="resolve")
+    world = World(
+        March(Dragon(benches=30), Line(stop=(400, 0)), start_s=200.0), "none", contacts="resolve"
+    )
     behind = np.cumsum(world.masses[:0:-1])[::-1]
     tail, wanted = world.bodies[-1], world.substep / 3
     world.change(substep=wanted)
@@ -496,7 +513,8 @@ def test_program_whose_clock_starts_with_0_s_goes_on():
 def test_page_gets_units_of_forces_torques_and_energies_in_the_lengths_of_the_space():
     assert units("m") == {"force": "N", "torque": "N m", "impulse": "N s", "energy": "J"}
     about = Scene(
-        hanging(), PlaySettings(units="px", plots={"Momentum": lambda space: 0.0, "Height (px)": len})
+        hanging(),
+        PlaySettings(units="px", plots={"Momentum": lambda space: 0.0, "Height (px)": len}),
     ).to_dict()
     assert about["unit_of"] == {
         "force": "kg px/s²",
@@ -506,19 +524,35 @@ def test_page_gets_units_of_forces_torques_and_energies_in_the_lengths_of_the_sp
     }
     # A quantity of the user's takes the place of one of the same name, and has its unit in its name.
     energy = "kg px²/s²"
-    assert about["plots"] == [("Kinetic energy", energy), (TOTAL, energy), ("Momentum", ""), ("Height (px)", "")]
+    assert about["plots"] == [
+        ("Kinetic energy", energy),
+        (TOTAL, energy),
+        ("Momentum", ""),
+        ("Height (px)", ""),
+    ]
 
 
 def test_whole_numbers_have_64_bits_only_where_they_need_them_on_every_platform():
     """Counts and indices are `np.intp` and Pymunk's pointers `np.uintp`, which have 32 bits where Python has."""
     wanted = {
         # Products of numbers of cells.
-        ("collision/grid.py", "rows, columns = (cells - cells.min(axis=0)).astype(np.int64, copy=False).T"),
+        (
+            "collision/grid.py",
+            "rows, columns = (cells - cells.min(axis=0)).astype(np.int64, copy=False).T",
+        ),
         # What a page subtracts, before it is wrapped to 32 bits.
-        ("player/data.py", "counts = np.rint((vectors - origin) / step).astype(np.int64).transpose(1, 2, 0)"),
+        (
+            "player/data.py",
+            "counts = np.rint((vectors - origin) / step).astype(np.int64).transpose(1, 2, 0)",
+        ),
         ("player/data.py", "wrapped = counts.astype(np.int32).astype(np.int64)"),
     }
     root = Path(pymunk_dragon.__file__).parent
-    sources = {path.relative_to(root).as_posix(): path.read_text(encoding="utf-8") for path in root.rglob("*.py")}
+    sources = {
+        path.relative_to(root).as_posix(): path.read_text(encoding="utf-8")
+        for path in root.rglob("*.py")
+    }
     lines = {(name, line.strip()) for name, text in sources.items() for line in text.splitlines()}
-    assert {(name, line) for name, line in lines if re.search(r"u?int64|longlong|\b[iu]8\b", line)} == wanted
+    assert {
+        (name, line) for name, line in lines if re.search(r"u?int64|longlong|\b[iu]8\b", line)
+    } == wanted

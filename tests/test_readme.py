@@ -42,7 +42,9 @@ PACKAGES = sorted({".".join(name.split(".")[:2]) for name in MODULES})
 
 def assert_same_words_and_numbers(printed, shown, rel=1e-4, digit=1e-6):
     """Word for word, and number for number to a few last digits, or to what is given."""
-    for one, other in zip(VARIES.sub("", printed).split(), VARIES.sub("", shown).split(), strict=True):
+    for one, other in zip(
+        VARIES.sub("", printed).split(), VARIES.sub("", shown).split(), strict=True
+    ):
         number = re.fullmatch(r"\(?([-+]?\d[\d.]*)[,);:]*", other)
         if number is None:
             assert one == other
@@ -92,14 +94,20 @@ def test_commands_and_make_targets_exist():
             command(name).make_context(name, list(arguments))
         commands = [shlex.split(line, comments=True) for line, _ in document.shown]
         targets = [words[1] for words in commands if words[0] == "make"]
-        targets += [word for found in re.findall(r"`make ([a-z -]+)`", document.text) for word in found.split()]
+        targets += [
+            word
+            for found in re.findall(r"`make ([a-z -]+)`", document.text)
+            for word in found.split()
+        ]
         for target in targets:
             assert re.search(rf"^{target}:", makefile, re.MULTILINE), (document.name, target)
 
 
 def test_figures_of_the_readme_are_those_of_the_documentation():
     """The documentation has the command that measures each of them, and its outputs are compared with the program's."""
-    documentation = " ".join(document.text for document in DOCUMENTS if document not in (README, CHINESE))
+    documentation = " ".join(
+        document.text for document in DOCUMENTS if document not in (README, CHINESE)
+    )
     for row in re.findall(r"^\|.*\|$", README.text, re.MULTILINE):
         for number in re.findall(r"(?<![\d.])\d+\.\d+(?![\d.])", row):
             assert number in documentation or number == EXACT, row
@@ -108,15 +116,22 @@ def test_figures_of_the_readme_are_those_of_the_documentation():
 def test_readme_is_the_same_in_chinese():
     """The same commands, code, pictures, addresses and numbers."""
     lines = [
-        [line.split("#")[0].replace(" --lang zh", "").strip() for line, _ in each.shown] for each in (README, CHINESE)
+        [line.split("#")[0].replace(" --lang zh", "").strip() for line, _ in each.shown]
+        for each in (README, CHINESE)
     ]
     assert lines[0] == lines[1]
     for language in ("python", "toml", "powershell"):
         uncommented = [
-            [re.sub(r"\s*#.*", "", block) for block in document.blocks(language)] for document in (README, CHINESE)
+            [re.sub(r"\s*#.*", "", block) for block in document.blocks(language)]
+            for document in (README, CHINESE)
         ]
         assert uncommented[0] == uncommented[1]
-    for pattern in (r"\((renders/[^)]+)\)", r"src=\"([^\"]+)\"", r"\((https?:[^)]+)\)", r"\d+\.\d+"):
+    for pattern in (
+        r"\((renders/[^)]+)\)",
+        r"src=\"([^\"]+)\"",
+        r"\((https?:[^)]+)\)",
+        r"\d+\.\d+",
+    ):
         found = [sorted(re.findall(pattern, document.text)) for document in (README, CHINESE)]
         assert found[0] == found[1], pattern
     assert "README.zh.md" in README.text
@@ -133,10 +148,17 @@ def test_examples_of_a_package_work_as_written(package, tmp_path, monkeypatch):
     monkeypatch.delitem(sys.modules, "ipykernel", raising=False)
     for name in MODULES:
         if f"{name}.".startswith(f"{package}."):
-            assert doctest.testmod(import_module(name), optionflags=doctest.NORMALIZE_WHITESPACE).failed == 0, name
+            assert (
+                doctest.testmod(
+                    import_module(name), optionflags=doctest.NORMALIZE_WHITESPACE
+                ).failed
+                == 0
+            ), name
 
 
 def test_every_public_name_has_an_example():
     for name in pymunk_dragon.__all__:
         if not name.endswith("Error"):
-            assert ">>> " in (getattr(pymunk_dragon, name).__doc__ or "").partition("Examples\n")[2], name
+            assert (
+                ">>> " in (getattr(pymunk_dragon, name).__doc__ or "").partition("Examples\n")[2]
+            ), name

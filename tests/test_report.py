@@ -29,22 +29,53 @@ from pymunk_dragon.reports.formats import FORMATS
 # Like the paper's 223 benches, these meet as 0 and 8; the head passes 9 and 11 on the way.
 SMALL = March(Dragon(benches=16), turns=8)
 # Texts that some format would make something of.
-HOSTILE = ["<script>alert(1)</script>", '"><img src=x onerror=alert(1)>', "a|b", "[x](javascript:alert(1))"]
-HOSTILE += ["*a* _b_ `c` ~~d~~ \\| # e", "line\nbreak\r\n| --- |", "{{ 7 * 7 }} {% raw %}", "]]> --> </style></title>"]
+HOSTILE = [
+    "<script>alert(1)</script>",
+    '"><img src=x onerror=alert(1)>',
+    "a|b",
+    "[x](javascript:alert(1))",
+]
+HOSTILE += [
+    "*a* _b_ `c` ~~d~~ \\| # e",
+    "line\nbreak\r\n| --- |",
+    "{{ 7 * 7 }} {% raw %}",
+    "]]> --> </style></title>",
+]
 HOSTILE += ["half \ud800", "&lt; &amp; &#x3c;", "龙头", ""]
-LABELLED = {"player": HOSTILE[0], "versions": {HOSTILE[1]: HOSTILE[2]}, "list": HOSTILE, "deep": {"er": HOSTILE}}
+LABELLED = {
+    "player": HOSTILE[0],
+    "versions": {HOSTILE[1]: HOSTILE[2]},
+    "list": HOSTILE,
+    "deep": {"er": HOSTILE},
+}
 RUNS = {
     "contact and after": lambda run: run,
     "first contact": lambda run: simulate(SMALL, start=79.0),
-    "no contact": lambda run: replace(run, events=ContactLog(), first_contact=None, outcome="unreachable"),
+    "no contact": lambda run: replace(
+        run, events=ContactLog(), first_contact=None, outcome="unreachable"
+    ),
     "unknown drift": lambda run: replace(run, drift=np.where(run.drift > 1e-4, np.nan, run.drift)),
     "nobody on the path": lambda run: replace(run, provenance={**run.provenance, "free_from": 1}),
-    "nothing known": lambda run: Run(march=SMALL, times=[1], poses=SMALL.at([1]).poses, drift=np.zeros((1, 16))),
+    "nothing known": lambda run: Run(
+        march=SMALL, times=[1], poses=SMALL.at([1]).poses, drift=np.zeros((1, 16))
+    ),
     "exact": lambda run: Run.exact(SMALL, np.arange(5.0)),
     "exact, with a contact": lambda run: Run.exact(SMALL, np.arange(79.0, 83.0)),
-    "hostile labels": lambda run: replace(run, provenance={label: label for label in HOSTILE} | LABELLED),
+    "hostile labels": lambda run: replace(
+        run, provenance={label: label for label in HOSTILE} | LABELLED
+    ),
 }
-KEYS = ["schema", "version", "scenario", "player", "settings", "versions", "outcome", "first_contact", "exact"]
+KEYS = [
+    "schema",
+    "version",
+    "scenario",
+    "player",
+    "settings",
+    "versions",
+    "outcome",
+    "first_contact",
+    "exact",
+]
 KEYS += ["near_misses", "events", "windows", "drift"]
 OTHERS = set(RUNS) - {"contact and after", "hostile labels", "exact"}
 
@@ -52,7 +83,9 @@ OTHERS = set(RUNS) - {"contact and after", "hostile labels", "exact"}
 @pytest.fixture
 def written(small_run):
     """A function that gives the file of the report on one of `RUNS`, written once for all tests."""
-    return lambda name, ending: shared(f"report, {name}{ending}", lambda path: report(RUNS[name](small_run), path))
+    return lambda name, ending: shared(
+        f"report, {name}{ending}", lambda path: report(RUNS[name](small_run), path)
+    )
 
 
 def elements_of(page):
@@ -72,8 +105,14 @@ def check_csv(content, run, found):
 
 def check_markdown(content):
     """No markup but the report's own."""
-    tokens = MarkdownIt("commonmark", {"html": True}).enable(["table", "strikethrough"]).parse(content)
-    assert {child.type for token in tokens for child in token.children or ()} <= {"text", "text_special", "softbreak"}
+    tokens = (
+        MarkdownIt("commonmark", {"html": True}).enable(["table", "strikethrough"]).parse(content)
+    )
+    assert {child.type for token in tokens for child in token.children or ()} <= {
+        "text",
+        "text_special",
+        "softbreak",
+    }
     blocks = {token.type.removesuffix("_open").removesuffix("_close") for token in tokens}
     assert blocks <= {"heading", "paragraph", "table", "thead", "tbody", "tr", "th", "td", "inline"}
     # A row with too few or too many cells would be filled up or cut, and its text be lost.
@@ -89,7 +128,12 @@ def check_page(content):
     assert not [name for each in found for name in each.attrib if name.startswith("on")]
     [policy] = [each.attrib["content"] for each in found if "http-equiv" in each.attrib]
     assert policy == "default-src 'none'; img-src data:; style-src 'unsafe-inline'"
-    addresses = [each.attrib[name] for each in found for name in ("src", "href", "srcset") if name in each.attrib]
+    addresses = [
+        each.attrib[name]
+        for each in found
+        for name in ("src", "href", "srcset")
+        if name in each.attrib
+    ]
     assert all(address.startswith("data:") for address in addresses)
     assert "nan" not in " ".join(found[0].itertext()).split()
     kinds = [each.attrib["src"].partition(";")[0] for each in found if "src" in each.attrib]
@@ -98,7 +142,9 @@ def check_page(content):
     return len(kinds) > 2
 
 
-@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.thorough] * (name in OTHERS)) for name in RUNS])
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.thorough] * (name in OTHERS)) for name in RUNS]
+)
 def test_report_on_any_run_is_whole_in_every_format(name, small_run, written):
     run = RUNS[name](small_run)
     found = summarize(run).to_dict()
@@ -108,7 +154,9 @@ def test_report_on_any_run_is_whole_in_every_format(name, small_run, written):
     assert check_page(written(name, ".html").read_text()) == (run.max_drift > 0)
 
 
-def test_report_has_the_same_bytes_each_time_and_in_chinese_the_same_numbers(small_run, written, tmp_path):
+def test_report_has_the_same_bytes_each_time_and_in_chinese_the_same_numbers(
+    small_run, written, tmp_path
+):
     small_run.save(tmp_path / "run.npz")
     again = replace(Run.load(tmp_path / "run.npz"), wall_seconds=3.0)
     for ending in FORMATS:
@@ -120,7 +168,9 @@ def test_report_has_the_same_bytes_each_time_and_in_chinese_the_same_numbers(sma
         if ending in (".json", ".csv"):
             assert found[0] == found[1]
             continue
-        english, chinese = (re.sub('<style.*?</style>|src=".*?"', "", each.decode(), flags=re.S) for each in found)
+        english, chinese = (
+            re.sub('<style.*?</style>|src=".*?"', "", each.decode(), flags=re.S) for each in found
+        )
         assert len(re.findall("[\u4e00-\u9fff]", chinese)) > 150
         assert sorted(re.findall(r"\d+\.\d+", chinese)) == sorted(re.findall(r"\d+\.\d+", english))
 
@@ -128,9 +178,24 @@ def test_report_has_the_same_bytes_each_time_and_in_chinese_the_same_numbers(sma
 def test_contents_tell_the_run(small_run):
     found, drift = summarize(small_run).to_dict(), small_run.drift
     assert list(found) == KEYS
-    scenario = {"benches": 16, "head_spacing": 2.86, "body_spacing": 1.65, "overhang": 0.275, "width": 0.30}
-    assert found["scenario"] == scenario | {"curve": "Spiral", "pitch": 0.55, "turns": 8, "speed": 1}
-    assert (found["player"], found["settings"]["guide"], found["versions"]) == ("pymunk", "rails", small_run.versions)
+    scenario = {
+        "benches": 16,
+        "head_spacing": 2.86,
+        "body_spacing": 1.65,
+        "overhang": 0.275,
+        "width": 0.30,
+    }
+    assert found["scenario"] == scenario | {
+        "curve": "Spiral",
+        "pitch": 0.55,
+        "turns": 8,
+        "speed": 1,
+    }
+    assert (found["player"], found["settings"]["guide"], found["versions"]) == (
+        "pymunk",
+        "rails",
+        small_run.versions,
+    )
     counts = {"frames": len(small_run.times), "events": len(small_run.events)}
     assert found["outcome"] == {"status": "contact", "start": 77.5, "until": 84.5} | counts
     assert found["first_contact"] == json.loads(json.dumps(asdict(small_run.first_contact)))
@@ -143,7 +208,12 @@ def test_contents_tell_the_run(small_run):
 
 
 def test_scenarios_of_other_marches_are_told():
-    changing = {"width": [1.8, 2.2, 1.6, 2.4], "pitch": None, "turns": None, "speed": [[0, 0.5], [5, 2], [20, 1.5]]}
+    changing = {
+        "width": [1.8, 2.2, 1.6, 2.4],
+        "pitch": None,
+        "turns": None,
+        "speed": [[0, 0.5], [5, 2], [20, 1.5]],
+    }
     for march, scenario in (
         (U_TURN, {"radius": 4.5, "ratio": 2.0}),
         (TRACTOR, changing),
@@ -176,15 +246,27 @@ def test_run_is_compared_with_the_exact_contact_if_a_guide_kept_it_on_its_path(s
 
 
 def test_csv_brings_every_number_back(small_run, written):
-    _, miss, *rows = csv.reader(io.StringIO(written("contact and after", ".csv").read_bytes().decode(), newline=""))
-    assert (miss[1:4], float(miss[-1])) == (["near_miss", "0", "11"], pytest.approx(0.865e-3, abs=1e-6))
+    _, miss, *rows = csv.reader(
+        io.StringIO(written("contact and after", ".csv").read_bytes().decode(), newline="")
+    )
+    assert (miss[1:4], float(miss[-1])) == (
+        ["near_miss", "0", "11"],
+        pytest.approx(0.865e-3, abs=1e-6),
+    )
     first = small_run.first_contact.time
     contacts = {row[1]: float(row[0]) for row in rows[:2]}
     assert contacts == {"first_contact": first, "exact_contact": pytest.approx(first, abs=1e-3)}
     none = (None, None)
     for row, event in zip(rows[2:], small_run.events, strict=True):
         points = [*event.points, none, none][:2]
-        values = [event.time, event.phase, *event.benches, *chain(*points), *(event.normal or none), event.depth]
+        values = [
+            event.time,
+            event.phase,
+            *event.benches,
+            *chain(*points),
+            *(event.normal or none),
+            event.depth,
+        ]
         values += [*(event.relative_velocity or none), *(event.impulse or none), None]
         assert row == ["" if value is None else str(value) for value in values]
 
@@ -217,10 +299,18 @@ def test_markdown_gives_any_text_back_as_text(label):
     assert shown.split() == label.replace("\0", "\N{REPLACEMENT CHARACTER}").split()
 
 
-def test_impossible_files_and_times_are_refused_and_without_matplotlib_is_no_chart(small_run, tmp_path, monkeypatch):
+def test_impossible_files_and_times_are_refused_and_without_matplotlib_is_no_chart(
+    small_run, tmp_path, monkeypatch
+):
     sheet = tmp_path / "table.xlsx"
-    calls = [(report, small_run, tmp_path / name) for name in ("report", "report.pdf", "none/report.html", ".")]
-    calls += [(write_tables, SMALL, times, sheet) for times in ([], np.zeros(16384), [0, 1000.0], [0, np.nan])]
+    calls = [
+        (report, small_run, tmp_path / name)
+        for name in ("report", "report.pdf", "none/report.html", ".")
+    ]
+    calls += [
+        (write_tables, SMALL, times, sheet)
+        for times in ([], np.zeros(16384), [0, 1000.0], [0, np.nan])
+    ]
     calls += [(write_contact_table, SMALL, time, sheet) for time in (1000.0, np.nan)]
     for write, *arguments in calls:
         refusal(write, *arguments, error=(ParameterError, UnreachableError))
@@ -248,14 +338,29 @@ def test_contest_tables_are_the_templates_and_the_same_files_every_time(seed_mar
     assert first.read_bytes() == again.read_bytes()
     states, labels = seed_march.at(times), ["0 s", "1e-09 s", "25 s", "300 s"]
     assert openpyxl.load_workbook(first).sheetnames == ["位置", "速度"]
-    names = ["龙头x (m)", "龙头y (m)", "第1节龙身x (m)", "龙尾y (m)", "龙尾（后）x (m)", "龙尾（后）y (m)"]
+    names = [
+        "龙头x (m)",
+        "龙头y (m)",
+        "第1节龙身x (m)",
+        "龙尾y (m)",
+        "龙尾（后）x (m)",
+        "龙尾（后）y (m)",
+    ]
     check_sheet(first, "位置", labels, names, states.positions.reshape(4, -1).T)
-    names = ["龙头 (m/s)", "第1节龙身  (m/s)", "第221节龙身  (m/s)", "龙尾  (m/s)", "龙尾（后） (m/s)"]
+    names = [
+        "龙头 (m/s)",
+        "第1节龙身  (m/s)",
+        "第221节龙身  (m/s)",
+        "龙尾  (m/s)",
+        "龙尾（后） (m/s)",
+    ]
     check_sheet(first, "速度", labels, names, states.speeds.T)
     write_contact_table(seed_march, 412.4738377, second)
     states, labels = seed_march.at([412.4738377]), ["横坐标x (m)", "纵坐标y (m)", "速度 (m/s)"]
     names = ["龙头", "第1节龙身", "第221节龙身", "龙尾", "龙尾（后）"]
-    check_sheet(second, "Sheet1", labels, names, np.column_stack([states.positions[0], states.speeds[0]]))
+    check_sheet(
+        second, "Sheet1", labels, names, np.column_stack([states.positions[0], states.speeds[0]])
+    )
 
 
 @pytest.mark.thorough
@@ -272,5 +377,7 @@ def test_report_in_a_browser_fits_the_window_and_runs_and_asks_for_nothing(brows
             assert seen.complaints == seen.boxes == []
             assert {url for url in seen.addresses if not url.startswith("data:")} == {address}
             shown = "[...document.querySelectorAll('img')].map(each => each.getBoundingClientRect().width)"
-            assert [150 < size <= max(width, 600) for size in seen.page.evaluate(shown)] == [True] * 3
+            assert [150 < size <= max(width, 600) for size in seen.page.evaluate(shown)] == [
+                True
+            ] * 3
             assert label in seen.page.evaluate("document.querySelector('#provenance').textContent")

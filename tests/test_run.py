@@ -16,7 +16,16 @@ from conftest import assert_says, examples, linux_only, refusal
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pymunk_dragon import Contact, ContactEvent, ContactLog, Dragon, EngineSettings, March, Run, Spiral
+from pymunk_dragon import (
+    Contact,
+    ContactEvent,
+    ContactLog,
+    Dragon,
+    EngineSettings,
+    March,
+    Run,
+    Spiral,
+)
 from pymunk_dragon.errors import DragonError, FileFormatError
 from pymunk_dragon.model.contact import ContactWindow
 from pymunk_dragon.model.run import versions
@@ -31,14 +40,28 @@ TOUCH = {
 EVENTS = ContactLog(
     [
         ContactEvent(time=0.1 + 0.2, phase="begin", benches=(0, 2), **TOUCH),
-        ContactEvent(time=0.4, phase="post_solve", benches=(0, 2), points=((0.0, 0.0),), impulse=(1.0, -2.0)),
+        ContactEvent(
+            time=0.4, phase="post_solve", benches=(0, 2), points=((0.0, 0.0),), impulse=(1.0, -2.0)
+        ),
         ContactEvent(time=0.5, phase="separate", benches=(0, 2)),
     ]
 )
 CONTACT = Contact(
-    time=0.3141592653589793, raw_time=0.32, benches=(0, 2), point=(1.5, 2.5), normal=(1.0, 0.0), depth=0.25e-3
+    time=0.3141592653589793,
+    raw_time=0.32,
+    benches=(0, 2),
+    point=(1.5, 2.5),
+    normal=(1.0, 0.0),
+    depth=0.25e-3,
 )
-ENGINE = {"player": "pymunk", "guide": "rails", "contacts": "resolve", "start": -0.5, "substep": 0.01, "substeps": 350}
+ENGINE = {
+    "player": "pymunk",
+    "guide": "rails",
+    "contacts": "resolve",
+    "start": -0.5,
+    "substep": 0.01,
+    "substeps": 350,
+}
 ARRAYS = ("times", "poses", "drift", "pose_velocities", "joint_forces")
 
 
@@ -98,7 +121,9 @@ def load(tmp_path_factory):
 def members(**changes):
     """An archive like that of `save`, with some arrays changed; None leaves one out."""
     buffer = io.BytesIO()
-    np.savez(buffer, **{name: array for name, array in (CONTENTS | changes).items() if array is not None})
+    np.savez(
+        buffer, **{name: array for name, array in (CONTENTS | changes).items() if array is not None}
+    )
     return buffer.getvalue()
 
 
@@ -112,16 +137,27 @@ def notes(change):
 def archive_of(**contents):
     """The archive of a saved run with other bytes as some members."""
     out = io.BytesIO()
-    with zipfile.ZipFile(io.BytesIO(WHOLE)) as old, zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as new:
+    with (
+        zipfile.ZipFile(io.BytesIO(WHOLE)) as old,
+        zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as new,
+    ):
         for name in old.namelist():
             new.writestr(name, contents.get(name.removesuffix(".npy"), old.read(name)))
     return out.getvalue()
 
 
 def test_log_of_contacts_has_windows_of_each_pair():
-    rows = ((1.0, "begin", 0), (1.5, "begin", 1), (1.6, "pre_solve", 0), (2.0, "separate", 0), (3.0, "begin", 0))
+    rows = (
+        (1.0, "begin", 0),
+        (1.5, "begin", 1),
+        (1.6, "pre_solve", 0),
+        (2.0, "separate", 0),
+        (3.0, "begin", 0),
+    )
     rows += ((3.0, "separate", 0), (4.0, "separate", 5))
-    log = ContactLog(ContactEvent(time=time, phase=phase, benches=(i, i + 8)) for time, phase, i in rows)
+    log = ContactLog(
+        ContactEvent(time=time, phase=phase, benches=(i, i + 8)) for time, phase, i in rows
+    )
     assert log.windows() == [
         ContactWindow(benches=(0, 8), begin=1.0, end=2.0),
         ContactWindow(benches=(1, 9), begin=1.5, end=None),
@@ -133,7 +169,9 @@ def test_run_comes_back_exactly_and_its_file_is_the_same_again(load):
     run, back = a_run(), load(WHOLE)
     for name in ARRAYS:
         assert getattr(back, name).tobytes() == getattr(run, name).tobytes()
-        assert getattr(back, name).dtype == (np.float64 if name in ("times", "poses") else np.float32)
+        assert getattr(back, name).dtype == (
+            np.float64 if name in ("times", "poses") else np.float32
+        )
     for name in ("march", "events", "first_contact", "outcome", "provenance"):
         assert getattr(back, name) == getattr(run, name)
     assert str(back.events[0].relative_velocity) == "(-0.0, 5e-324)"
@@ -151,7 +189,9 @@ def test_part_of_a_file_and_random_bytes_are_refused(load, length, content):
         assert_says(refusal(load, damaged, error=FileFormatError), "run.npz")
 
 
-@given(st.lists(st.tuples(st.integers(0, len(WHOLE) - 1), st.integers(1, 255)), min_size=1, max_size=4))
+@given(
+    st.lists(st.tuples(st.integers(0, len(WHOLE) - 1), st.integers(1, 255)), min_size=1, max_size=4)
+)
 @examples(600)
 def test_flipped_bytes_are_refused_or_do_no_harm(load, flips):
     content = bytearray(WHOLE)
@@ -168,7 +208,9 @@ def test_flipped_bytes_are_refused_or_do_no_harm(load, flips):
 
 def test_foreign_files_and_arrays_that_do_not_fit_are_refused(load):
     contents = [b"a dragon went by\n" * 30, archive_of(poses=b"hello"), archive_of(notes=b"hello")]
-    contents += [members(notes=np.frombuffer(text, dtype=np.uint8)) for text in (b"{hello", b"[" * 100_000)]
+    contents += [
+        members(notes=np.frombuffer(text, dtype=np.uint8)) for text in (b"{hello", b"[" * 100_000)
+    ]
     contents += [members(**{name: None}) for name in ("notes", "poses", "pose_velocities")]
     contents += [members(notes=np.eye(3)), notes(lambda values: values.update(format_version=1))]
     for name, array in (
@@ -188,14 +230,23 @@ def test_foreign_files_and_arrays_that_do_not_fit_are_refused(load):
         *((name, np.array([EVENTS[0]], dtype=object)) for name in ("times", "poses", "notes")),
     ):
         contents.append(members(**{name: array}))
-    empty = {"times": np.empty(0), "poses": np.empty((0, 4, 3)), "drift": np.empty((0, 4), dtype=np.float32)}
+    empty = {
+        "times": np.empty(0),
+        "poses": np.empty((0, 4, 3)),
+        "drift": np.empty((0, 4), dtype=np.float32),
+    }
     for content in (*contents, members(**empty)):
         assert_says(refusal(load, content, error=FileFormatError), "run.npz")
     # As without a file.
     assert np.isnan(replace(a_run(), drift=np.full((7, 4), np.nan)).drift).all()
     for drift in (np.inf, -np.inf, 1e30):
         assert refusal(replace, a_run(), drift=np.full((7, 4), drift)).name == "drift"
-    for changes in (empty, {"drift": np.zeros((7, 3))}, {"poses": np.full((7, 4, 3), 1e10)}, {"outcome": "victory"}):
+    for changes in (
+        empty,
+        {"drift": np.zeros((7, 3))},
+        {"poses": np.full((7, 4, 3), 1e10)},
+        {"outcome": "victory"},
+    ):
         refusal(replace, a_run(), **changes, error=DragonError)
 
 
@@ -203,18 +254,39 @@ def test_wrong_notes_are_refused(load, tmp_path, monkeypatch):
     (tmp_path / "other.csv").write_text("0,1\n10,1\n20,2\n30,1\n")
     monkeypatch.chdir(tmp_path)
     for part, changes in (
-        (lambda notes: notes, ({"format": "a film"}, {"outcome": "victory"}, {"outcome": ["clear"]})),
-        (lambda notes: notes, ({"events": 3}, {"events": [3]}, {"scenario": "hello"}, {"provenance": 3})),
-        (lambda notes: notes, ({"first_contact": False}, {"first_contact": {}}, {"scenario": None})),
+        (
+            lambda notes: notes,
+            ({"format": "a film"}, {"outcome": "victory"}, {"outcome": ["clear"]}),
+        ),
+        (
+            lambda notes: notes,
+            ({"events": 3}, {"events": [3]}, {"scenario": "hello"}, {"provenance": 3}),
+        ),
+        (
+            lambda notes: notes,
+            ({"first_contact": False}, {"first_contact": {}}, {"scenario": None}),
+        ),
         (lambda notes: notes["scenario"], ({"colour": "red"}, {"pitch": -1}, {"benches": 5})),
         # A loaded run opens no other file.
         (lambda notes: notes["scenario"], ({"curve": "other.csv"}, {"speed": "other.csv"})),
         (lambda notes: notes["events"][0], ({"colour": "red"}, {"phase": "end"}, {"time": "noon"})),
-        (lambda notes: notes["events"][0], ({"time": math.inf}, {"benches": [1]}, {"benches": [2, 0]})),
-        (lambda notes: notes["events"][0], ({"benches": [0, 4]}, {"points": [[1, 2, 3]]}, {"impulse": ["1", 1.0]})),
-        (lambda notes: notes["first_contact"], ({"benches": [3, 4]}, {"point": None}, {"depth": "deep"})),
+        (
+            lambda notes: notes["events"][0],
+            ({"time": math.inf}, {"benches": [1]}, {"benches": [2, 0]}),
+        ),
+        (
+            lambda notes: notes["events"][0],
+            ({"benches": [0, 4]}, {"points": [[1, 2, 3]]}, {"impulse": ["1", 1.0]}),
+        ),
+        (
+            lambda notes: notes["first_contact"],
+            ({"benches": [3, 4]}, {"point": None}, {"depth": "deep"}),
+        ),
         # Where no picture could draw it.
-        (lambda notes: notes["first_contact"], ({"point": [1e308, 0]}, {"normal": [0, 1e308]}, {"depth": 1e308})),
+        (
+            lambda notes: notes["first_contact"],
+            ({"point": [1e308, 0]}, {"normal": [0, 1e308]}, {"depth": 1e308}),
+        ),
         (lambda notes: notes["events"][0], ({"points": [[0, -1e308]]}, {"time": 1e308})),
     ):
         for change in changes:
@@ -226,17 +298,43 @@ def test_wrong_notes_are_refused(load, tmp_path, monkeypatch):
 
 
 def test_attributes_come_from_provenance_and_impossible_ones_are_refused(load):
-    run = replace(a_run(), provenance=ENGINE | {"iterations": 7, "head_force": 300.0, "versions": {"numpy": "2"}})
-    assert (run.player, run.guide, run.start, run.substep, run.substeps) == ("pymunk", "rails", -0.5, 0.01, 350)
-    assert run.settings == EngineSettings(contacts="resolve", substep=0.01, iterations=7, head_force=300.0)
+    run = replace(
+        a_run(),
+        provenance=ENGINE | {"iterations": 7, "head_force": 300.0, "versions": {"numpy": "2"}},
+    )
+    assert (run.player, run.guide, run.start, run.substep, run.substeps) == (
+        "pymunk",
+        "rails",
+        -0.5,
+        0.01,
+        350,
+    )
+    assert run.settings == EngineSettings(
+        contacts="resolve", substep=0.01, iterations=7, head_force=300.0
+    )
     assert run.versions == {"numpy": "2"}
     assert load(saved(run)).settings == run.settings
     exact = Run.exact(MARCH, [1.5, 2])
     assert exact.provenance == {"player": "exact", "versions": versions()}
-    assert (exact.player, exact.guide, exact.settings, exact.start, exact.substeps) == ("exact", None, None, 1.5, None)
-    wrong = {"player": 3, "guide": ["rails"], "contacts": "ignore", "start": "noon", "substep": -0.01, "substeps": 2.5}
+    assert (exact.player, exact.guide, exact.settings, exact.start, exact.substeps) == (
+        "exact",
+        None,
+        None,
+        1.5,
+        None,
+    )
+    wrong = {
+        "player": 3,
+        "guide": ["rails"],
+        "contacts": "ignore",
+        "start": "noon",
+        "substep": -0.01,
+        "substeps": 2.5,
+    }
     wrong |= {"free_from": 4}
-    for name, value in (wrong | {"iterations": 0, "drag": True, "head_force": "much", "versions": "2"}).items():
+    for name, value in (
+        wrong | {"iterations": 0, "drag": True, "head_force": "much", "versions": "2"}
+    ).items():
         change = {**ENGINE, name: value}
         damaged = notes(lambda values, change=change: values.update(provenance=change))
         assert_says(refusal(load, damaged, error=FileFormatError), f"{name} is")
@@ -251,7 +349,9 @@ def test_sizes_that_a_file_claims_are_bounded(load):
     assert_says(refusal(load, bytes(content), error=FileFormatError), "no run does that")
     for name, shape in (("poses", (7, 4, 30_000_000)), ("drift", (7, 10**9)), ("times", (10**12,))):
         file = io.BytesIO()
-        np.lib.format.write_array_header_1_0(file, {"descr": "<f8", "fortran_order": False, "shape": shape})
+        np.lib.format.write_array_header_1_0(
+            file, {"descr": "<f8", "fortran_order": False, "shape": shape}
+        )
         refusal(load, archive_of(**{name: file.getvalue()}), error=FileFormatError)
 
 
@@ -287,7 +387,11 @@ def test_runs_and_states_are_equal_to_those_with_the_same_numbers_and_to_no_othe
         assert (run, hash(run)) == (same, hash(same))
     others = [changed(run, name) for name in ARRAYS]
     others += [replace(run, **{name: None}) for name in ("joint_forces", "first_contact")]
-    others += [replace(run, events=ContactLog()), replace(run, outcome="clear"), replace(run, provenance={})]
+    others += [
+        replace(run, events=ContactLog()),
+        replace(run, outcome="clear"),
+        replace(run, provenance={}),
+    ]
     others += [replace(run, march=replace(MARCH, speed=1.3)), "run"]
     assert all(run != other for other in others)
     assert (states, hash(states)) == (MARCH.at([0, 1.5]), hash(MARCH.at([0, 1.5])))
@@ -295,8 +399,17 @@ def test_runs_and_states_are_equal_to_those_with_the_same_numbers_and_to_no_othe
 
 
 def test_run_and_states_cannot_be_changed_and_leave_the_givers_arrays_alone():
-    poses, provenance = np.zeros((2, 4, 3)), {"player": "test", "settings": {"list": [1, 2], "text": "a"}}
-    run = Run(march=MARCH, times=np.arange(2.0), poses=poses, drift=np.zeros((2, 4)), provenance=provenance)
+    poses, provenance = (
+        np.zeros((2, 4, 3)),
+        {"player": "test", "settings": {"list": [1, 2], "text": "a"}},
+    )
+    run = Run(
+        march=MARCH,
+        times=np.arange(2.0),
+        poses=poses,
+        drift=np.zeros((2, 4)),
+        provenance=provenance,
+    )
     states, before = MARCH.at([0, 1.5]), json.dumps(run.provenance)
     poses[0] = 7
     provenance["settings"]["list"].append(3)
@@ -304,7 +417,13 @@ def test_run_and_states_cannot_be_changed_and_leave_the_givers_arrays_alone():
         with pytest.raises(FrozenInstanceError):
             record.march = record.time = None
     names = ("times", "handles_s", "positions", "velocities", "speeds", "poses", "pose_velocities")
-    for array in (run.poses, run.times, run.drift, run.pose_velocities, *(getattr(states, name) for name in names)):
+    for array in (
+        run.poses,
+        run.times,
+        run.drift,
+        run.pose_velocities,
+        *(getattr(states, name) for name in names),
+    ):
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 1
     assert (run.poses.max(), json.dumps(run.provenance)) == (0, before)
@@ -324,7 +443,10 @@ def test_drift_of_the_head_is_that_of_the_first_twelve_benches_without_what_is_u
 def test_poses_between_frames_are_as_near_as_the_docstring_says(seed_march):
     at, h = np.arange(408.5, 411, 0.013), 0.02
     around = [seed_march.at(at + k * h).poses[..., :2] for k in (-2, -1, 0, 1, 2)]
-    fourth = np.linalg.norm(sum(w * p for w, p in zip((1, -4, 6, -4, 1), around, strict=True)), axis=-1) / h**4
+    fourth = (
+        np.linalg.norm(sum(w * p for w, p in zip((1, -4, 6, -4, 1), around, strict=True)), axis=-1)
+        / h**4
+    )
     bound = 0.1**4 / 384 * fourth.max()
     assert bound < 0.05e-6
     run = Run.exact(seed_march, np.arange(4080, 4120) / 10)
@@ -344,8 +466,12 @@ def test_poses_turn_the_shorter_way_between_frames_and_stay_beyond_the_ends():
     for times, frames in ((run.times, slice(None)), ([-5, 99], [0, -1])):
         back, poses = run.poses_at(times), run.poses[frames]
         assert back[..., :2] == pytest.approx(poses[..., :2], abs=1e-15)
-        assert np.cos(back[..., 2] - poses[..., 2]) == pytest.approx(np.ones(poses.shape[:2]), abs=1e-15)
-        np.testing.assert_allclose(run.pose_velocities_at(times), run.pose_velocities[frames], atol=1e-6)
+        assert np.cos(back[..., 2] - poses[..., 2]) == pytest.approx(
+            np.ones(poses.shape[:2]), abs=1e-15
+        )
+        np.testing.assert_allclose(
+            run.pose_velocities_at(times), run.pose_velocities[frames], atol=1e-6
+        )
     single = Run.exact(MARCH, [2.0])
     assert np.array_equal(single.poses_at([0, 2, 5]), np.repeat(single.poses, 3, axis=0))
 
@@ -357,7 +483,14 @@ def test_text_and_values_of_a_run_leave_out_what_is_unknown(seed_march):
     assert "5.0 times as fast as real time" in str(timed)
     assert timed.to_dict()["driver_overhead"] == pytest.approx(0.4)
     exact = Run.exact(MARCH, [0, 2])
-    unknown = ("first_contact", "substep", "substeps", "iterations", "wall_seconds", "realtime_factor")
+    unknown = (
+        "first_contact",
+        "substep",
+        "substeps",
+        "iterations",
+        "wall_seconds",
+        "realtime_factor",
+    )
     assert all(exact.to_dict()[name] is None for name in unknown)
     assert json.loads(json.dumps(exact.to_dict(), allow_nan=False))["until"] == 2.0
     for result in (run, MARCH.at([0.5, 2]), MARCH.at([]), Run.exact(seed_march, [0, 412.4738376])):

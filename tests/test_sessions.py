@@ -25,7 +25,16 @@ import numpy as np
 import pymunk
 import pytest
 from conftest import assert_says, linux_only
-from live_sessions import PATIENCE, Listener, greeting, joined, played, replay_session, replayed, served
+from live_sessions import (
+    PATIENCE,
+    Listener,
+    greeting,
+    joined,
+    played,
+    replay_session,
+    replayed,
+    served,
+)
 
 from pymunk_dragon.errors import DragonError, MissingExtraError
 from pymunk_dragon.lessons import LESSONS
@@ -82,14 +91,21 @@ def touch(on, steps):
     actions = {
         "grab": [{"x": x, "y": y, "slip": 0.1}],
         "drag": [{"x": x + 1.0, "y": y + 1 / 3}, {"x": x - 0.25, "y": y + 0.7}],
-        "obstacle": [{"shape": shape, "x": head_x, "y": head_y + 2, "size": 0.4} for shape in ("round", "square")],
+        "obstacle": [
+            {"shape": shape, "x": head_x, "y": head_y + 2, "size": 0.4}
+            for shape in ("round", "square")
+        ],
         "remove": [{"obstacle": 1}],
         "drop": [{}],
         "set": [{"name": "iterations", "value": 17.0}, {"name": "step", "value": 6.3}],
     }
     if on.scene.state()["contacts"]:
         actions["set"] += [{"name": "drag", "value": 4.4}, {"name": "speed", "value": 1.3}]
-        actions |= {"release": [{"bench": 8}], "contacts": [{"value": "report"}, {"value": "resolve"}], "hold": [{}]}
+        actions |= {
+            "release": [{"bench": 8}],
+            "contacts": [{"value": "report"}, {"value": "resolve"}],
+            "hold": [{}],
+        }
     else:
         actions["set"] += [{"name": "gravity", "value": 5.0}, {"name": "damping", "value": 0.9}]
     if on.scene.joints():
@@ -97,7 +113,9 @@ def touch(on, steps):
     for action, many in actions.items():
         for arguments in many:
             # Joints have moved meanwhile.
-            assert on.do(action, **(joint_at(on, 1) if arguments is None else arguments)) is None, action
+            assert on.do(action, **(joint_at(on, 1) if arguments is None else arguments)) is None, (
+                action
+            )
             on.step(steps)
 
 
@@ -121,7 +139,9 @@ def test_messages_are_read_from_json_and_written_as_they_were():
 
 
 @pytest.mark.parametrize("name", ["dragon", "pendulum", "boxes"])
-def test_replay_of_a_saved_session_ends_in_the_same_state_to_the_bit_and_reset_undoes_everything(name, tmp_path):
+def test_replay_of_a_saved_session_ends_in_the_same_state_to_the_bit_and_reset_undoes_everything(
+    name, tmp_path
+):
     with played(march_scene(SHORT) if name == "dragon" else named_scene(name)) as on:
         fresh = without_generation(on.session)
         touch(on, 13)
@@ -206,11 +226,15 @@ def test_inputs_are_refused_during_a_replay_and_another_scene_ends_it():
         on.step(1)
         log = on.session.log()
     errors = []
-    session, _ = replay_session(log, lambda session: Listener(session, errors).do("release", bench=2))
+    session, _ = replay_session(
+        log, lambda session: Listener(session, errors).do("release", bench=2)
+    )
     assert session.wait_for_replay() == 0
     session.stop()
     assert (len(errors), session.state()["cuts"], session.state()["free_from"]) == (1, [5], None)
-    session, _ = replay_session(log, lambda session: Listener(session, []).do("scene", name="pendulum"))
+    session, _ = replay_session(
+        log, lambda session: Listener(session, []).do("scene", name="pendulum")
+    )
     assert session.wait_for_replay() is None
     session.stop()
     assert session.source.name == "pendulum"
@@ -238,13 +262,19 @@ def test_scenes_of_lessons_tell_the_calls_of_a_contact_and_the_force_that_drags_
         add(**LESSONS[name].scene())
     with played("callbacks") as on:
         on.run(2.0)
-        assert [event.split("   ")[1] for event in on.events] == ["begin", *3 * ["pre_solve", "post_solve"], "separate"]
+        assert [event.split("   ")[1] for event in on.events] == [
+            "begin",
+            *3 * ["pre_solve", "post_solve"],
+            "separate",
+        ]
         assert on.events[2].startswith("impulse 3.29 N s")
     with played("tension") as on:
         assert "from 1 to 50 ms" in on.do("set", name="step", value=80)
         on.do("set", name="dancers", value=12)
         on.run(10.0)
-        assert on.scene.plots()["Force in the first joint (N)"] == pytest.approx(12 * 10 * (1 - 0.5**0.01) / 0.01)
+        assert on.scene.plots()["Force in the first joint (N)"] == pytest.approx(
+            12 * 10 * (1 - 0.5**0.01) / 0.01
+        )
 
 
 def test_dragon_keeps_its_place_where_the_time_step_changes():
@@ -287,7 +317,9 @@ def test_dancers_who_come_back_bring_every_bench_to_the_exact_model():
         assert on.frame().errors.max() < 0.01
 
 
-@pytest.mark.parametrize(("bench", "move"), [(0, 0.4j), (3, -0.7)])  # The tip over its links, and links backwards.
+@pytest.mark.parametrize(
+    ("bench", "move"), [(0, 0.4j), (3, -0.7)]
+)  # The tip over its links, and links backwards.
 def test_dancers_carry_back_an_arm_that_was_pulled_far_off_its_path(bench, move):
     with played("robot-arm") as on:
         on.run(1.0)
@@ -309,7 +341,10 @@ def test_obstacle_in_the_way_stops_the_march_only_if_contacts_push_apart_and_unt
             on.told.clear()
             assert on.do("contacts", value=contacts) is None
             on.run(4.0)
-            assert next(event for event in on.events if "obstacle" in event) == "bench 0 and an obstacle touch"
+            assert (
+                next(event for event in on.events if "obstacle" in event)
+                == "bench 0 and an obstacle touch"
+            )
             if contacts == "stop":
                 assert not on.session.clock.running
                 assert on.scene.time < 4
@@ -335,7 +370,10 @@ def test_hand_pulls_dynamic_bodies_only_with_at_most_1000_newtons_per_kilogram()
         assert on.do("drag", x=0.48, y=0.64) is None
         on.run(2.0)
         assert on.frame().held[2:] == pytest.approx((0.48, 0.64))
-        assert next(iter(on.scene.space.bodies)).local_to_world((0.3, 0.0)).get_distance((0.48, 0.64)) < 0.02
+        assert (
+            next(iter(on.scene.space.bodies)).local_to_world((0.3, 0.0)).get_distance((0.48, 0.64))
+            < 0.02
+        )
         assert on.do("drop") is None
         assert on.frame().held is None
     space = pymunk.Space()
@@ -404,7 +442,11 @@ def test_values_out_of_range_and_things_that_do_not_exist_are_refused_and_change
 def test_reset_puts_a_space_of_ones_own_back():
     space, body = pymunk.Space(), pymunk.Body(1.0, 0.1)
     space.gravity, body.position = (0, -10), (0.5, 0)
-    space.add(body, pymunk.Circle(body, 0.3), *(pymunk.PivotJoint(space.static_body, body, (0, 0)) for _ in range(2)))
+    space.add(
+        body,
+        pymunk.Circle(body, 0.3),
+        *(pymunk.PivotJoint(space.static_body, body, (0, 0)) for _ in range(2)),
+    )
     with played(space) as on:
         fresh = without_generation(on.session)
         touch(on, 7)
@@ -421,20 +463,54 @@ def random_message(dice):
     action = dice.choice([name for name in KINDS if name not in ("scene", "ping")])
     values = {
         "int": dice.choice([0, 1, -1, 3, dice.randrange(20), 10**18, -(10**30)]),
-        "float": dice.choice([0.0, -0.0, 1.5, 1e-300, 1e6, 1e308, math.nan, math.inf, dice.gauss(0, 5)]),
-        "str": dice.choice(["", "step", "iterations", "drag", "speed", "stop", "report", "resolve", "round", "square"]),
+        "float": dice.choice(
+            [0.0, -0.0, 1.5, 1e-300, 1e6, 1e308, math.nan, math.inf, dice.gauss(0, 5)]
+        ),
+        "str": dice.choice(
+            [
+                "",
+                "step",
+                "iterations",
+                "drag",
+                "speed",
+                "stop",
+                "report",
+                "resolve",
+                "round",
+                "square",
+            ]
+        ),
         "bool": True,
     }
     message = {"do": action} | {each.name: values[each.type] for each in fields(KINDS[action])}
     odd = dice.choice([None, True, 0, 10**400, math.nan, "", "\ud800", [[]], {"do": {}}])
-    objects = odd, {**message, "more": odd}, {**message, "do": "advance"}, {**message, dice.choice([*message]): [None]}
-    texts = "", "{", "[" * 4000, '{"do":' * 600, "\x00", "nan", '{"do": "play"} x', "9" * 4096, "x" * 4097
+    objects = (
+        odd,
+        {**message, "more": odd},
+        {**message, "do": "advance"},
+        {**message, dice.choice([*message]): [None]},
+    )
+    texts = (
+        "",
+        "{",
+        "[" * 4000,
+        '{"do":' * 600,
+        "\x00",
+        "nan",
+        '{"do": "play"} x',
+        "9" * 4096,
+        "x" * 4097,
+    )
     malformed = [*map(json.dumps, objects), dice.choice(texts), dice.randbytes(dice.randrange(100))]
     return (json.dumps(message), True) if dice.random() < 0.3 else (dice.choice(malformed), False)
 
 
-@pytest.mark.parametrize(("clients", "count"), [(2, 150), pytest.param(12, 480, marks=pytest.mark.thorough)])
-def test_random_messages_crash_nothing_and_each_malformed_one_is_answered(clients, count, monkeypatch):
+@pytest.mark.parametrize(
+    ("clients", "count"), [(2, 150), pytest.param(12, 480, marks=pytest.mark.thorough)]
+)
+def test_random_messages_crash_nothing_and_each_malformed_one_is_answered(
+    clients, count, monkeypatch
+):
     failures = []
     monkeypatch.setattr(threading, "excepthook", failures.append)
 
@@ -447,7 +523,11 @@ def test_random_messages_crash_nothing_and_each_malformed_one_is_answered(client
                 message, is_message = random_message(dice)
                 # Who watches may do nothing.
                 bad += watches or not is_message
-                await (client.socket.send_bytes if isinstance(message, bytes) else client.socket.send_str)(message)
+                await (
+                    client.socket.send_bytes
+                    if isinstance(message, bytes)
+                    else client.socket.send_str
+                )(message)
             await client.send("ping", id=-1)
             await client.told("pong", id=-1)
             # Who controls may also be answered that a body or a joint does not exist.
@@ -464,7 +544,9 @@ def test_random_messages_crash_nothing_and_each_malformed_one_is_answered(client
             # Messages of before may still wait.
             while answer.get("name") != "pendulum":
                 await client.send("scene", name="pendulum")
-                answer = await client.get(lambda found: isinstance(found, dict) and found["kind"] in ("scene", "error"))
+                answer = await client.get(
+                    lambda found: isinstance(found, dict) and found["kind"] in ("scene", "error")
+                )
             for action, arguments in (("reset", {}), ("play", {}), ("speed", {"value": 1.0})):
                 await client.send(action, **arguments)
             first = await client.shown(lambda frame: frame.generation > answer["generation"])
@@ -477,7 +559,11 @@ def test_random_messages_crash_nothing_and_each_malformed_one_is_answered(client
 
 def test_requests_without_the_token_of_other_hosts_and_of_other_pages_are_refused():
     async def ask(http, page, host, origin, token):
-        headers = {name: value for name, value in {"Host": host, "Origin": origin}.items() if value is not None}
+        headers = {
+            name: value
+            for name, value in {"Host": host, "Origin": origin}.items()
+            if value is not None
+        }
         query = "" if token is None else f"?token={token}"
         found = []
         for path in ("", "inputs", "socket"):
@@ -512,7 +598,13 @@ def test_requests_without_the_token_of_other_hosts_and_of_other_pages_are_refuse
             rows.append((None, None, wrong, 403))
         for host in ("evil.example", "127.0.0.1.evil.example", "192.0.2.7", "[", "a@[:1"):
             rows.append((host, None, token, 403))
-        for origin in ("evil.example", "hub.example.evil.example", "[", f"{own}.evil.example", "127.0.0.1:1"):
+        for origin in (
+            "evil.example",
+            "hub.example.evil.example",
+            "[",
+            f"{own}.evil.example",
+            "127.0.0.1:1",
+        ):
             rows.append((None, f"http://{origin}", token, 403))
         rows.append((None, "null", token, 403))
         run(ask_all(page, rows))
@@ -525,7 +617,10 @@ def test_page_has_a_policy_without_unsafe_inline_and_is_not_stored():
 
     with served() as session:
         _, headers, page = run(ask("GET", session.address))
-        refused = [run(ask("GET", session.address.replace("/?", "/nowhere?"))), run(ask("POST", session.address))]
+        refused = [
+            run(ask("GET", session.address.replace("/?", "/nowhere?"))),
+            run(ask("POST", session.address)),
+        ]
     assert headers["Content-Security-Policy"].startswith("default-src 'none'; ")
     assert "unsafe" not in headers["Content-Security-Policy"]
     assert [status for status, _, _ in refused] == [404, 405]
@@ -564,7 +659,9 @@ def test_20_clients_see_the_motion_of_the_scene_that_was_described_before():
             def note(found):
                 if isinstance(found, dict):
                     if found["kind"] == "scene":
-                        benches[found["generation"]] = len(found["dragon"]["lengths"]) if found["dragon"] else 0
+                        benches[found["generation"]] = (
+                            len(found["dragon"]["lengths"]) if found["dragon"] else 0
+                        )
                     return False
                 assert len(getattr(found, "poses", [])) == benches[found.generation]
                 return found.generation == max(benches) == last
@@ -672,7 +769,9 @@ def test_stop_leaves_no_thread_and_frees_the_port_even_with_clients_and_while_it
             if way == "by its own thread":
                 # As the action of a button does.
                 stopped = threading.Event()
-                session._session.call(lambda session=session, stopped=stopped: (session.stop(), stopped.set()))
+                session._session.call(
+                    lambda session=session, stopped=stopped: (session.stop(), stopped.set())
+                )
                 assert stopped.wait(PATIENCE)
             if way == "paused":
                 with session.paused():
@@ -684,15 +783,24 @@ def test_stop_leaves_no_thread_and_frees_the_port_even_with_clients_and_while_it
         for thread in set(threading.enumerate()) - before:
             # One that was paused goes on for a moment.
             thread.join(PATIENCE)
-        assert {thread for thread in threading.enumerate() if "pymunk" in thread.name} <= before, way
+        assert {thread for thread in threading.enumerate() if "pymunk" in thread.name} <= before, (
+            way
+        )
         with socket.create_server(("127.0.0.1", port)):
             pass
 
 
-def test_port_in_use_addresses_that_cannot_be_used_and_a_missing_extra_are_told_in_one_line(call, monkeypatch):
+def test_port_in_use_addresses_that_cannot_be_used_and_a_missing_extra_are_told_in_one_line(
+    call, monkeypatch
+):
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
-        for flag, value in (("--port", port), ("--host", "192.0.2.1"), ("--host", "a..b"), ("--port", 65536)):
+        for flag, value in (
+            ("--port", port),
+            ("--host", "192.0.2.1"),
+            ("--host", "a..b"),
+            ("--port", 65536),
+        ):
             code, out, err = call("live", "pendulum", "--no-browser", flag, value)
             assert (code, out) == (2, "")
             assert_says(ValueError(err.strip()), flag, str(value))
@@ -706,7 +814,9 @@ def test_port_in_use_addresses_that_cannot_be_used_and_a_missing_extra_are_told_
 
 
 @linux_only
-def test_ctrl_c_ends_the_program_with_130_and_writes_a_recording_whose_replay_is_equal(call, tmp_path):
+def test_ctrl_c_ends_the_program_with_130_and_writes_a_recording_whose_replay_is_equal(
+    call, tmp_path
+):
     async def watch(address):
         async with joined(address) as client:
             await client.shown(lambda frame: frame.time > 0.1)
@@ -714,7 +824,10 @@ def test_ctrl_c_ends_the_program_with_130_and_writes_a_recording_whose_replay_is
     path = tmp_path / "session.json"
     command = [sys.executable, "-m", "pymunk_dragon", "live", "--record", path, "--no-browser"]
     pipe = subprocess.PIPE
-    with subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True) as process, ExitStack() as stack:
+    with (
+        subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True) as process,
+        ExitStack() as stack,
+    ):
         stack.callback(process.kill)
         address = process.stdout.readline().split()[1]
         stack.enter_context(connected(address))
@@ -722,7 +835,9 @@ def test_ctrl_c_ends_the_program_with_130_and_writes_a_recording_whose_replay_is
         process.send_signal(signal.SIGINT)
         _, err = process.communicate(timeout=PATIENCE)
     assert process.returncode == 130
-    assert [line for line in err.splitlines() if "wrote" not in line] == ["pymunk-dragon: interrupted"]
+    assert [line for line in err.splitlines() if "wrote" not in line] == [
+        "pymunk-dragon: interrupted"
+    ]
     log = load_log(path)
     assert log["plan"] == {"scene": "dragon"}
     assert log["steps"] > 10
@@ -732,9 +847,13 @@ def test_ctrl_c_ends_the_program_with_130_and_writes_a_recording_whose_replay_is
     _, session = replayed(log)
     poses = session.scene.poses() + np.array([0.125, 0.0, -0.25])
     (tmp_path / "other.json").write_text(json.dumps(log | {"poses": poses.tolist()}))
-    code, out, err = call("live", "--exit", "--replay", tmp_path / "other.json", "-o", tmp_path / "written.json")
+    code, out, err = call(
+        "live", "--exit", "--replay", tmp_path / "other.json", "-o", tmp_path / "written.json"
+    )
     assert (code, err) == (0, "")
-    assert out == f"replay:  {log['steps']} steps, poses within 2.5e-01 m and rad of the recording\n"
+    assert (
+        out == f"replay:  {log['steps']} steps, poses within 2.5e-01 m and rad of the recording\n"
+    )
     assert load_log(tmp_path / "written.json")["poses"] == log["poses"]
     with ThreadPoolExecutor(1) as other, session.held:
         written = other.submit(session.log)  # Between two steps.
@@ -750,7 +869,9 @@ def test_recording_of_the_film_in_the_readme_can_be_replayed_on_any_processor():
     for features in ("", "X86_V4 X86_V3 AVX512_SKX AVX2 FMA3"):
         environment = os.environ | {"NPY_DISABLE_CPU_FEATURES": features}
         done = subprocess.run(command, capture_output=True, text=True, check=True, env=environment)
-        found = re.fullmatch(r"replay:  1000 steps, (?:equal to .*|poses within (\S+) m .*)\n", done.stdout)
+        found = re.fullmatch(
+            r"replay:  1000 steps, (?:equal to .*|poses within (\S+) m .*)\n", done.stdout
+        )
         assert float(found[1] or 0) < 1e-9, features
 
 
@@ -796,7 +917,11 @@ def odd_spaces():
     there.position = 1e40, -1e40
     far.add(there, pymunk.Circle(there, 1))
     weightless.add(pymunk.Body())
-    motors.add(*wheels, pymunk.SimpleMotor(*wheels, 1.0), pymunk.GrooveJoint(*wheels, (0, 0), (1, 0), (0, 0)))
+    motors.add(
+        *wheels,
+        pymunk.SimpleMotor(*wheels, 1.0),
+        pymunk.GrooveJoint(*wheels, (0, 0), (1, 0), (0, 0)),
+    )
     return pymunk.Space(), ground, far, weightless, motors
 
 

@@ -57,7 +57,9 @@ def visit(browser, address, **options):
         assert found.complaints == []
         assert found.boxes == []
         own = urlsplit(address).netloc
-        assert {urlsplit(url).netloc for url in found.addresses if not url.startswith("data:")} == {own}
+        assert {urlsplit(url).netloc for url in found.addresses if not url.startswith("data:")} == {
+            own
+        }
 
 
 @contextmanager
@@ -186,15 +188,26 @@ def pictures_of(film):
     done = subprocess.run(command, capture_output=True, check=True)
     codec, width, height = re.search(VIDEO, done.stderr.decode()).groups()
     assert "rror" not in done.stderr.decode()
-    return codec, np.frombuffer(done.stdout, np.uint8).reshape(-1, int(height), int(width)).astype(float)
+    return codec, np.frombuffer(done.stdout, np.uint8).reshape(-1, int(height), int(width)).astype(
+        float
+    )
 
 
 @pytest.mark.parametrize("later", [(1281, 803), (700, 900)])
 def test_button_films_the_canvas_in_h264_also_while_its_size_changes(browser, tmp_path, later):
-    with shown(browser, march_scene(March(Dragon(benches=30))), width=1281, height=803) as (_, page):
-        sizes = np.array(page.evaluate("['width', 'height'].map((side) => document.getElementById('field')[side])"))
+    with shown(browser, march_scene(March(Dragon(benches=30))), width=1281, height=803) as (
+        _,
+        page,
+    ):
+        sizes = np.array(
+            page.evaluate(
+                "['width', 'height'].map((side) => document.getElementById('field')[side])"
+            )
+        )
         wide, high = later
-        film = filmed(page, tmp_path, lambda: page.set_viewport_size({"width": wide, "height": high}))
+        film = filmed(
+            page, tmp_path, lambda: page.set_viewport_size({"width": wide, "height": high})
+        )
         known = page.evaluate("MediaRecorder.isTypeSupported('video/mp4;codecs=avc1')")
     codec, (first, *_, last) = pictures_of(film)
     assert (film.suffix, codec) == ((".mp4", "h264") if known else (".webm", codec))
@@ -250,7 +263,10 @@ def test_scene_is_in_sight_and_so_is_the_error_of_a_function(browser, width, hei
         raise ValueError("a reason")
 
     source = source_of(pymunk.Space, PlaySettings(controls=[Button("Crash", crash)]))
-    with served("robot-arm") as session, visit(browser, session.address, width=width, height=height) as found:
+    with (
+        served("robot-arm") as session,
+        visit(browser, session.address, width=width, height=height) as found,
+    ):
         assert found.page.evaluate(IN_SIGHT)
     with shown(browser, source, width=width, height=height) as (session, page):
         # Only what the program can play again is offered.
@@ -267,9 +283,17 @@ def test_scene_is_in_sight_and_so_is_the_error_of_a_function(browser, width, hei
 
 def test_page_shows_keys_events_errors_and_charts_of_a_program(browser):
     pressed, events = [], []
-    keys = [Key("ArrowUp", lambda space: pressed.append("down"), lambda space: pressed.append("up"))]
-    controls = [*keys, Button("Tell", lambda space: events.append("1 2 3 4 5")), Button("Crash", lambda space: 1 / 0)]
-    with shown(browser, source_of(pymunk.Space, PlaySettings(controls=controls, events=events))) as (_, page):
+    keys = [
+        Key("ArrowUp", lambda space: pressed.append("down"), lambda space: pressed.append("up"))
+    ]
+    controls = [
+        *keys,
+        Button("Tell", lambda space: events.append("1 2 3 4 5")),
+        Button("Crash", lambda space: 1 / 0),
+    ]
+    with shown(
+        browser, source_of(pymunk.Space, PlaySettings(controls=controls, events=events))
+    ) as (_, page):
         assert "↑" in page.inner_text("#actions")
         page.keyboard.down("ArrowUp")
         # Another window has the focus when the key is released.
@@ -324,14 +348,25 @@ def balance(gravity=9.81):
 def test_page_shows_forces_and_torques_in_their_units_and_on_scales_of_their_own(browser):
     with shown(browser, space_scene(balance, PlaySettings())) as (_, page):
         wait_until(page, "document.querySelector('#value-force').textContent === '9.8 kN, joint 0'")
-        wait_until(page, "document.querySelector('#value-torque').textContent === '9.81 N m, joint 2'")
-        assert page.evaluate("[live.painter.scales.force.top, live.painter.scales.torque.top]") == [4, 1]
+        wait_until(
+            page, "document.querySelector('#value-torque').textContent === '9.81 N m, joint 2'"
+        )
+        assert page.evaluate("[live.painter.scales.force.top, live.painter.scales.torque.top]") == [
+            4,
+            1,
+        ]
         assert page.text_content("#torque-name") == "Torque by joint (N m)"
         captions = page.eval_on_selector_all(
             "#charts-own figcaption > :first-child", "all => all.map((x) => x.textContent)"
         )
-        assert captions == ["Kinetic energy (J)", "Kinetic and potential energy (J)", "Momentum (N s)"]
-        label = page.evaluate("live.tools.labelOf({ joint: live.model.joints(live.frame, null, [])[2] })")
+        assert captions == [
+            "Kinetic energy (J)",
+            "Kinetic and potential energy (J)",
+            "Momentum (N s)",
+        ]
+        label = page.evaluate(
+            "live.tools.labelOf({ joint: live.model.joints(live.frame, null, [])[2] })"
+        )
         assert label == "joint 2: 9.81 N m"
 
 
@@ -349,7 +384,9 @@ def test_space_bar_pauses_after_a_click_on_a_switch_and_works_one_that_a_key_has
 def test_watching_page_has_no_controls(browser):
     with served("pendulum") as session, visit(browser, session.watch_address) as found:
         page = found.page
-        assert page.evaluate("[...document.querySelectorAll('.sends')].every((each) => each.disabled)")
+        assert page.evaluate(
+            "[...document.querySelectorAll('.sends')].every((each) => each.disabled)"
+        )
         for key in ("Space", "r", "l", "ArrowRight"):
             page.keyboard.press(key)
         wait_simulated(page, 0.3)
@@ -360,12 +397,16 @@ def test_watching_page_has_no_controls(browser):
 def test_page_behind_a_proxy_with_a_prefix_asks_for_addresses_with_the_prefix(browser):
     with served("pendulum") as session, opened(browser, "about:blank") as found:
         page, sockets = found.page, []
-        page.route("**/*", lambda route: route.continue_(url=route.request.url.replace(PREFIX, "/")))
+        page.route(
+            "**/*", lambda route: route.continue_(url=route.request.url.replace(PREFIX, "/"))
+        )
         page.route_web_socket("**/*", lambda socket: sockets.append(socket.url))
         own, token = session.address.split("/?")
         page.goto(f"{own}{PREFIX}?{token}")
         wait_until(page, "document.getElementById('save').href !== ''")
-        assert page.evaluate("document.getElementById('save').href") == f"{own}{PREFIX}inputs?{token}"
+        assert (
+            page.evaluate("document.getElementById('save').href") == f"{own}{PREFIX}inputs?{token}"
+        )
         assert sockets[0] == f"{own.replace('http', 'ws')}{PREFIX}socket?{token}"
 
 
@@ -373,7 +414,10 @@ def test_page_switches_scenes_and_sets_parameters_without_complaints(browser):
     with shown(browser, march_scene(March(Dragon(benches=20)))) as (_, page):
         for name in page.evaluate("live.scene.scenes.map((each) => each.name)"):
             page.select_option("#scene", name)
-            wait_until(page, f"live.scene.name === '{name}' && live.frame?.generation === live.scene.generation")
+            wait_until(
+                page,
+                f"live.scene.name === '{name}' && live.frame?.generation === live.scene.generation",
+            )
             if name not in ("own", "jam", "pendulum"):
                 # A change builds the scene anew; that takes a while with 223 benches.
                 continue
@@ -398,20 +442,41 @@ def test_page_switches_scenes_and_sets_parameters_without_complaints(browser):
 @pytest.mark.parametrize(("program", "link"), [("en", "&lang=zh"), ("zh", "")])
 def test_page_is_chinese_if_the_program_or_the_address_is(browser, program, link):
     add(**LESSONS["tension"].scene())
-    with in_language(program), served("jam") as session, visit(browser, session.address + link) as found:
+    with (
+        in_language(program),
+        served("jam") as session,
+        visit(browser, session.address + link) as found,
+    ):
         page = found.page
         assert page.evaluate("document.documentElement.lang") == "zh"
         # Words of the commands of lessons, and titles without a translation.
-        titles = " ".join(scene.title for scene in SCENES.values() if scene.title not in texts("zh"))
-        allowed = {"CSV", "pymunk", "dragon", "demo", "live", "callbacks", "tension", "lang", *titles.split()}
+        titles = " ".join(
+            scene.title for scene in SCENES.values() if scene.title not in texts("zh")
+        )
+        allowed = {
+            "CSV",
+            "pymunk",
+            "dragon",
+            "demo",
+            "live",
+            "callbacks",
+            "tension",
+            "lang",
+            *titles.split(),
+        }
         assert english_words(page) <= allowed
         page.select_option("#scene", "tension")
-        wait_until(page, "live.scene.name === 'tension' && live.frame?.generation === live.scene.generation")
+        wait_until(
+            page,
+            "live.scene.name === 'tension' && live.frame?.generation === live.scene.generation",
+        )
         wait_simulated(page, 0.3)
         assert english_words(page) <= allowed
 
 
-def test_benches_touch_after_all_are_let_go_and_a_button_changes_the_language_there_and_back(browser):
+def test_benches_touch_after_all_are_let_go_and_a_button_changes_the_language_there_and_back(
+    browser,
+):
     with shown(browser, march_scene(March(Dragon(benches=40)))) as (session, page):
         page.select_option("#contacts", "stop")
         page.click("#release")
@@ -420,7 +485,9 @@ def test_benches_touch_after_all_are_let_go_and_a_button_changes_the_language_th
         # The state, the frame and the event come one after the other.
         wait_until(page, "!live.state.running && live.frame.contacts.length > 0")
         page.wait_for_selector("#events:has-text('touch')", state="attached")
-        first, second = re.search(r"benches (\d+) and (\d+) touch", page.text_content("#events")).groups()
+        first, second = re.search(
+            r"benches (\d+) and (\d+) touch", page.text_content("#events")
+        ).groups()
         assert page.evaluate("live.frame.touching") == [int(first), int(second)]
         page.click("#language")
         wait_until(page, "document.documentElement.lang === 'zh'")

@@ -103,7 +103,9 @@ def assert_drawn_alike(scene, name):
         assert call[0] == expected[0], name
         np.testing.assert_allclose(call[1], expected[1], rtol=1e-6, atol=1e-6, err_msg=name)
         np.testing.assert_allclose(call[2:4], expected[2:4], rtol=1e-6, err_msg=name)
-        assert [call[4], call[5]] == [None if each is None else list(each) for each in expected[4:]], name
+        assert [call[4], call[5]] == [
+            None if each is None else list(each) for each in expected[4:]
+        ], name
     assert contacts == reference.contacts, name
     return len(calls), contacts
 
@@ -124,7 +126,9 @@ def test_page_gets_what_pymunk_draws_of_its_examples_at_the_start_and_after_2_s(
 
 OPENS = "session = live({space}, step=None, {down}units='px', controls=[PygameEvents()])"
 STEPS = 40
-ROWS = re.findall(r"^\| ([\w, ]+) \| `(.+)` \| `(.+)` \| (up|down) \|$", GUIDES["live"].text, re.MULTILINE)
+ROWS = re.findall(
+    r"^\| ([\w, ]+) \| `(.+)` \| `(.+)` \| (up|down) \|$", GUIDES["live"].text, re.MULTILINE
+)
 CHANGED = {name: others for names, *others in ROWS for name in names.split(", ")}
 
 
@@ -136,7 +140,9 @@ def changed(source, space_line, step_line, direction):
     for line in source.splitlines():
         indent = line[: len(line) - len(line.lstrip())]
         if line.strip() == space_line and count < 2:
-            opening = OPENS.format(space=space_line.partition(" ")[0], down="y_down=True, " * (direction == "down"))
+            opening = OPENS.format(
+                space=space_line.partition(" ")[0], down="y_down=True, " * (direction == "down")
+            )
             lines += [line, indent + owner + opening]
             count += 1
         elif line.strip().startswith(f"{step_line}("):
@@ -158,7 +164,9 @@ def played_example(monkeypatch):
         monkeypatch.setenv(variable, "dummy")
     monkeypatch.setattr("webbrowser.open", lambda address: True)
     # A clock that does not wait.
-    monkeypatch.setattr(pygame.time, "Clock", lambda: SimpleNamespace(tick=lambda rate=0: 16, get_fps=lambda: 60.0))
+    monkeypatch.setattr(
+        pygame.time, "Clock", lambda: SimpleNamespace(tick=lambda rate=0: 16, get_fps=lambda: 60.0)
+    )
     keep_queries(pygame, monkeypatch)
     get, seen = pygame.event.get, []
 
@@ -218,9 +226,15 @@ def click(x, y, button=1, to=None):
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("name", CHANGED)
-def test_example_of_pymunk_plays_with_keys_and_mouse_after_five_changed_lines_at_most(name, played_example):
+def test_example_of_pymunk_plays_with_keys_and_mouse_after_five_changed_lines_at_most(
+    name, played_example
+):
     pygame = pytest.importorskip("pygame", reason="pygame-ce is in the extra test")
-    inputs = [key("ArrowLeft"), *click(120.0, 130.0, to=(125.0, 130.0)), {"do": "wheel", "right": 0.0, "up": 1.0}]
+    inputs = [
+        key("ArrowLeft"),
+        *click(120.0, 130.0, to=(125.0, 130.0)),
+        {"do": "wheel", "right": 0.0, "up": 1.0},
+    ]
     scene, seen, _ = played_example(name, [inputs])
     assert_drawn_alike(scene, name)
     kinds = {pygame.event.event_name(event.type) for event in seen}
@@ -243,16 +257,31 @@ def angles(space):
 @pytest.mark.parametrize(
     ("name", "inputs", "count"),
     [
-        ("balls_and_lines", [click(300.0, 300.0, 3, to=(400.0, 320.0))], lambda space: len(lines(space))),
-        ("collisions", [click(300.0, 300.0, 3)], lambda space: round(sum(angles(space)) / (math.pi / 8))),
+        (
+            "balls_and_lines",
+            [click(300.0, 300.0, 3, to=(400.0, 320.0))],
+            lambda space: len(lines(space)),
+        ),
+        (
+            "collisions",
+            [click(300.0, 300.0, 3)],
+            lambda space: round(sum(angles(space)) / (math.pi / 8)),
+        ),
         (
             "playground",
-            [[key("Control")], click(100.0, 300.0, 3), click(200.0, 350.0, 3), [key("Control", False)]],
+            [
+                [key("Control")],
+                click(100.0, 300.0, 3),
+                click(200.0, 350.0, 3),
+                [key("Control", False)],
+            ],
             lambda space: len(lines(space)),
         ),
     ],
 )
-def test_right_button_does_in_examples_of_pymunk_what_it_does_there(name, inputs, count, played_example):
+def test_right_button_does_in_examples_of_pymunk_what_it_does_there(
+    name, inputs, count, played_example
+):
     _, _, difference = played_example(name, inputs, count)
     assert difference == 1
 

@@ -35,7 +35,9 @@ def ball(space, place, radius=0.5, **about):
 def moved(kind):
     """A space with a shape at (100, 50), 2 wide and 2 high, whose body was moved or turned after it was added."""
     space = pymunk.Space()
-    body = pymunk.Body(1, 1, body_type=pymunk.Body.KINEMATIC if kind == "kinematic" else pymunk.Body.DYNAMIC)
+    body = pymunk.Body(
+        1, 1, body_type=pymunk.Body.KINEMATIC if kind == "kinematic" else pymunk.Body.DYNAMIC
+    )
     shapes = {
         "circle": pymunk.Circle(body, 1),
         "box": pymunk.Poly.create_box(body, (2, 2)),
@@ -102,7 +104,13 @@ def crowd():
     step = pymunk.Body(body_type=pymunk.Body.STATIC)
     bar = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
     bar.position, bar.angular_velocity = (0, 4), 1
-    space.add(ground, step, pymunk.Poly.create_box(step, (1, 1)), bar, pymunk.Segment(bar, (-2, 0), (2, 0), 0.1))
+    space.add(
+        ground,
+        step,
+        pymunk.Poly.create_box(step, (1, 1)),
+        bar,
+        pymunk.Segment(bar, (-2, 0), (2, 0), 0.1),
+    )
     step.position = 3, 0.3
     for i in range(5):
         body = pymunk.Body(1, 0.1)
@@ -110,7 +118,9 @@ def crowd():
         space.add(body, pymunk.Poly.create_box(body, (0.5, 0.5)))
     before = space.static_body
     for i in range(30):
-        body = ball(space, (0.7 * (i % 7) - 2, 1 + 0.9 * (i // 7)), 0.2 + 0.02 * (i % 5), friction=0.5)
+        body = ball(
+            space, (0.7 * (i % 7) - 2, 1 + 0.9 * (i // 7)), 0.2 + 0.02 * (i % 5), friction=0.5
+        )
         space.add(box := pymunk.Poly.create_box(body, (0.5, 0.3), 0.02))
         box.friction = 0.4
         if i % 6 == 0:
@@ -185,7 +195,10 @@ def test_hand_takes_the_shape_that_is_drawn_last_and_outside_of_all_the_nearest(
     for i in range(40):
         body = pymunk.Body(1, 1)
         body.position, body.angle = rng.uniform(-2, 2, 2).tolist(), i
-        space.add(body, pymunk.Poly.create_box(body, (0.7, 0.4), 0.05) if i % 2 else pymunk.Circle(body, 0.3))
+        space.add(
+            body,
+            pymunk.Poly.create_box(body, (0.7, 0.4), 0.05) if i % 2 else pymunk.Circle(body, 0.3),
+        )
     found = set()
     for x, y in rng.uniform(-2.2, 2.2, (80, 2)):
         # Chipmunk's order of drawing, and a picture with a colour for each shape.
@@ -316,7 +329,10 @@ def test_release_by_a_client_that_leaves_is_an_input_of_the_recording():
 
 def keep_queries(pygame, monkeypatch):
     """Have pygame's own functions back after the test: `PygameEvents` replaces them."""
-    replaced = {pygame.key: ("get_pressed", "get_mods"), pygame.mouse: ("get_pos", "get_rel", "get_pressed")}
+    replaced = {
+        pygame.key: ("get_pressed", "get_mods"),
+        pygame.mouse: ("get_pos", "get_rel", "get_pressed"),
+    }
     for module, queries in replaced.items():
         for query in queries:
             monkeypatch.setattr(module, query, getattr(module, query))
@@ -364,7 +380,9 @@ def test_all_buttons_of_the_mouse_reach_a_pygame_program(window):
     with steered() as on:
         clients = Clients(on.session)
         events = told_to(window, clients, on, [pointer(20.0, 30.0, "move")])
-        assert [(name, event.pos, event.buttons) for name, event in events] == [("MouseMotion", (20, 30), (0, 0, 0))]
+        assert [(name, event.pos, event.buttons) for name, event in events] == [
+            ("MouseMotion", (20, 30), (0, 0, 0))
+        ]
         for button in (1, 2, 3):
             [(name, event)] = told_to(window, clients, on, [pointer(20.0, 30.0, "down", button)])
             assert (name, event.button, event.pos) == ("MouseButtonDown", button, (20, 30))
@@ -381,11 +399,17 @@ def test_all_buttons_of_the_mouse_reach_a_pygame_program(window):
         assert names == ["MouseMotion", "MouseButtonDown"]
         clients.leave("page")
         on.settle()
-        left = [(event.button, event.pos) for event in window.event.get() if event.type == window.MOUSEBUTTONUP]
+        left = [
+            (event.button, event.pos)
+            for event in window.event.get()
+            if event.type == window.MOUSEBUTTONUP
+        ]
         assert sorted(left) == [(1, (90, 90)), (2, (90, 90)), (3, (90, 90))]
         assert window.mouse.get_pressed() == (False, False, False)
         for button in (0, 4):
-            assert_says(ValueError(on.do("pointer", x=0.0, y=0.0, kind="down", button=button)), "button")
+            assert_says(
+                ValueError(on.do("pointer", x=0.0, y=0.0, kind="down", button=button)), "button"
+            )
 
 
 def test_wheel_reaches_a_pygame_program_as_wheel_and_as_buttons_4_and_5(window):
@@ -394,7 +418,10 @@ def test_wheel_reaches_a_pygame_program_as_wheel_and_as_buttons_4_and_5(window):
 
         def turned(right, up):
             found = told_to(window, clients, on, [("wheel", {"right": right, "up": up})])
-            return [(name, event.button if "Button" in name else (event.x, event.y)) for name, event in found]
+            return [
+                (name, event.button if "Button" in name else (event.x, event.y))
+                for name, event in found
+            ]
 
         away = [("MouseButtonDown", 4), ("MouseButtonUp", 4)]
         near = [("MouseButtonDown", 5), ("MouseButtonUp", 5)]
@@ -407,14 +434,32 @@ def test_wheel_reaches_a_pygame_program_as_wheel_and_as_buttons_4_and_5(window):
 
 
 def test_keys_have_the_codes_and_modifiers_of_pygame(window):
-    names = {"ArrowLeft": "K_LEFT", "Enter": "K_RETURN", " ": "K_SPACE", "a": "K_a", "A": "K_a", "!": "K_EXCLAIM"}
-    names |= {"Escape": "K_ESCAPE", "PageUp": "K_PAGEUP", "F5": "K_F5", "Delete": "K_DELETE", "Meta": "K_LMETA"}
+    names = {
+        "ArrowLeft": "K_LEFT",
+        "Enter": "K_RETURN",
+        " ": "K_SPACE",
+        "a": "K_a",
+        "A": "K_a",
+        "!": "K_EXCLAIM",
+    }
+    names |= {
+        "Escape": "K_ESCAPE",
+        "PageUp": "K_PAGEUP",
+        "F5": "K_F5",
+        "Delete": "K_DELETE",
+        "Meta": "K_LMETA",
+    }
     with steered() as on:
         clients = Clients(on.session)
         for name, code in names.items():
             for down in (True, False):
-                [(kind, event)] = told_to(window, clients, on, [("press", {"name": name, "down": down})])
-                assert (kind, event.key) == ("KeyDown" if down else "KeyUp", getattr(window, code)), name
+                [(kind, event)] = told_to(
+                    window, clients, on, [("press", {"name": name, "down": down})]
+                )
+                assert (kind, event.key) == (
+                    "KeyDown" if down else "KeyUp",
+                    getattr(window, code),
+                ), name
                 assert window.key.get_pressed()[event.key] == down
         for name, mod in (("Shift", "KMOD_SHIFT"), ("Control", "KMOD_CTRL"), ("Alt", "KMOD_ALT")):
             told_to(window, clients, on, [("press", {"name": name, "down": True})])
@@ -422,7 +467,9 @@ def test_keys_have_the_codes_and_modifiers_of_pygame(window):
         [(_, event)] = told_to(window, clients, on, [("press", {"name": "x", "down": True})])
         assert (event.mod & window.KMOD_SHIFT, event.unicode) == (window.KMOD_LSHIFT, "x")
         # Keys that pygame does not have are no errors.
-        assert told_to(window, clients, on, [("press", {"name": "Unidentified", "down": True})]) == []
+        assert (
+            told_to(window, clients, on, [("press", {"name": "Unidentified", "down": True})]) == []
+        )
         clients.leave("page")
         on.settle()
         assert window.key.get_mods() == 0
@@ -442,7 +489,10 @@ def test_program_without_a_window_has_the_state_of_keys_and_mouse_and_is_not_pau
             assert on.do(action, **arguments) is None
         assert pygame.key.get_pressed()[pygame.K_LEFT]
         assert pygame.key.get_mods() & pygame.KMOD_SHIFT
-        assert (pygame.mouse.get_pos(), pygame.mouse.get_pressed()) == ((3, 4), (False, False, True))
+        assert (pygame.mouse.get_pos(), pygame.mouse.get_pressed()) == (
+            (3, 4),
+            (False, False, True),
+        )
         assert on.session.clock.running
         assert on.errors == []
 

@@ -66,7 +66,9 @@ def test_page_and_engine_take_the_same_body_at_every_point(browser):
                 expected.append(body_at(shapes, x, y, 0.1)[0])
             except ValueError:
                 expected.append(None)
-        got = [None if i < 0 else shapes[i].body for i in page.evaluate(TAKEN, [points.tolist(), 0.1])]
+        got = [
+            None if i < 0 else shapes[i].body for i in page.evaluate(TAKEN, [points.tolist(), 0.1])
+        ]
         assert got == expected
         assert 20 < expected.count(None) < 500
 
@@ -114,14 +116,22 @@ def posted(session, pygame, wanted):
 
     SDL has events of its own in the queue, as of a new audio device or of a window that gains the focus.
     """
-    kinds = (pygame.KEYDOWN, pygame.KEYUP, pygame.MOUSEBUTTONDOWN, pygame.MOUSEBUTTONUP, pygame.MOUSEWHEEL)
+    kinds = (
+        pygame.KEYDOWN,
+        pygame.KEYUP,
+        pygame.MOUSEBUTTONDOWN,
+        pygame.MOUSEBUTTONUP,
+        pygame.MOUSEWHEEL,
+    )
     found, end = [], time.monotonic() + PATIENCE
     while len(found) < wanted:
         assert time.monotonic() < end, found
         with session.paused():
             found += [event for event in pygame.event.get() if event.type in kinds]
     values = [vars(event) for event in found]
-    detail = [value.get("button") or value.get("key") or (value["x"], value["y"]) for value in values]
+    detail = [
+        value.get("button") or value.get("key") or (value["x"], value["y"]) for value in values
+    ]
     return list(zip([pygame.event.event_name(event.type) for event in found], detail, strict=True))
 
 
@@ -149,7 +159,11 @@ def test_buttons_and_wheel_reach_a_pygame_program_and_no_menu_opens(browser, mon
         assert posted(session, pygame, 1) == [("MouseButtonUp", 3)]
         span = page.evaluate("live.view.span")
         page.mouse.wheel(0, 100)
-        assert posted(session, pygame, 3) == [("MouseButtonDown", 5), ("MouseButtonUp", 5), ("MouseWheel", (0, -1))]
+        assert posted(session, pygame, 3) == [
+            ("MouseButtonDown", 5),
+            ("MouseButtonUp", 5),
+            ("MouseWheel", (0, -1)),
+        ]
         assert page.evaluate("live.view.span") == span
         # The other tools leave menu and wheel as they are.
         page.evaluate("live.tools.choose('drag')")
@@ -183,7 +197,9 @@ def test_what_a_page_holds_of_a_pygame_program_is_released_when_it_is_left(brows
             downs = posted(session, pygame, 1 if way == "field" else 2)
             page.evaluate(script)
             ups = posted(session, pygame, len(downs))
-            assert sorted(ups) == sorted((name.replace("Down", "Up"), detail) for name, detail in downs), way
+            assert sorted(ups) == sorted(
+                (name.replace("Down", "Up"), detail) for name, detail in downs
+            ), way
             assert not pygame.key.get_pressed()[pygame.K_a]
             page.keyboard.up("a")
             page.mouse.up(button="right")
@@ -197,7 +213,12 @@ def test_keys_with_shift_and_ctrl_reach_a_pygame_program_and_are_released(browse
         page.keyboard.up("Shift")
         names = posted(session, pygame, 4)
         shift = pygame.K_LSHIFT
-        assert names == [("KeyDown", pygame.K_a), ("KeyDown", shift), ("KeyUp", pygame.K_a), ("KeyUp", shift)]
+        assert names == [
+            ("KeyDown", pygame.K_a),
+            ("KeyDown", shift),
+            ("KeyUp", pygame.K_a),
+            ("KeyUp", shift),
+        ]
         page.keyboard.down("Control")
         assert posted(session, pygame, 1) == [("KeyDown", pygame.K_LCTRL)]
         assert pygame.key.get_mods() & pygame.KMOD_CTRL
@@ -224,7 +245,10 @@ def test_finger_is_the_left_button_and_two_move_the_view(browser, monkeypatch):
 
         def fingers(kind, *points):
             where = [page.evaluate(PLACE, list(point)) for point in points]
-            touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": [{"x": x, "y": y} for x, y in where]})
+            touch.send(
+                "Input.dispatchTouchEvent",
+                {"type": kind, "touchPoints": [{"x": x, "y": y} for x, y in where]},
+            )
 
         fingers("touchStart", (100, 50))
         assert posted(session, pygame, 1) == [("MouseButtonDown", 1)]

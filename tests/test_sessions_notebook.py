@@ -25,7 +25,9 @@ if find_spec("anywidget") is None:
 from pymunk_dragon.sessions import live
 from pymunk_dragon.sessions import widget as widgets
 
-PORTS = "{each.laddr for each in psutil.Process().net_connections('tcp') if each.status == 'LISTEN'}"
+PORTS = (
+    "{each.laddr for each in psutil.Process().net_connections('tcp') if each.status == 'LISTEN'}"
+)
 CELLS = f"""
 import psutil, pymunk
 from pymunk_dragon import live
@@ -160,7 +162,10 @@ def test_page_gets_scene_state_and_frames_and_its_messages_reach_the_engine():
         receive(widget, {"do": "ping", "id": 3})
         on.settle()
         receive(widget, len(widget.frames))
-        wait(on.settle, lambda: widget.frames[-1][1].step == 7 or receive(widget, widget.frames[-1][0]))
+        wait(
+            on.settle,
+            lambda: widget.frames[-1][1].step == 7 or receive(widget, widget.frames[-1][0]),
+        )
         assert {"kind": "pong", "id": 3} in widget.texts
         before = kinds(widget).count("error")
         for bad in ({"do": "dance"}, {"do": "scene", "name": "nowhere"}, "no object"):
@@ -237,22 +242,38 @@ def test_notebook_opens_a_port_only_for_the_address(monkeypatch, capsys):
 @contextmanager
 def lab(folder):
     """The address of a notebook in JupyterLab, which has its files in a folder."""
-    own = {name: str(folder / name) for name in ("JUPYTER_CONFIG_DIR", "JUPYTER_DATA_DIR", "IPYTHONDIR")}
+    own = {
+        name: str(folder / name)
+        for name in ("JUPYTER_CONFIG_DIR", "JUPYTER_DATA_DIR", "IPYTHONDIR")
+    }
     runtime = folder / "runtime"
-    flags = ["--no-browser", "--allow-root", "--ip=127.0.0.1", "--port=0", f"--ServerApp.root_dir={folder}"]
-    flags += ["--LabApp.extension_manager=readonly", "--LabApp.check_for_updates_class=jupyterlab.NeverCheckForUpdate"]
+    flags = [
+        "--no-browser",
+        "--allow-root",
+        "--ip=127.0.0.1",
+        "--port=0",
+        f"--ServerApp.root_dir={folder}",
+    ]
+    flags += [
+        "--LabApp.extension_manager=readonly",
+        "--LabApp.check_for_updates_class=jupyterlab.NeverCheckForUpdate",
+    ]
     flags += ["--expose-app-in-browser"]
     command, null = [sys.executable, "-m", "jupyterlab", *flags], subprocess.DEVNULL
     environment = os.environ | own | {"JUPYTER_RUNTIME_DIR": str(runtime)}
     process = subprocess.Popen(command, env=environment, stdout=null, stderr=null)
     try:
         about = runtime / f"jpserver-{process.pid}.json"
-        conftest.wait_until(process, lambda: about.exists() and about.read_text().rstrip().endswith("}"))
+        conftest.wait_until(
+            process, lambda: about.exists() and about.read_text().rstrip().endswith("}")
+        )
         found = json.loads(about.read_text())
         yield f"{found['url']}lab/tree/live.ipynb?token={found['token']}"
     finally:
         process.terminate()
-        with suppress(subprocess.TimeoutExpired):  # While a kernel starts; kernels end by themselves without one.
+        with suppress(
+            subprocess.TimeoutExpired
+        ):  # While a kernel starts; kernels end by themselves without one.
             process.wait(10)
         process.kill()
         process.wait()
@@ -264,8 +285,14 @@ SAVES_STATE = "lab/user-settings/@jupyter-widgets/jupyterlab-manager/plugin.jupy
 
 def write_notebook(folder, cells):
     """Write a notebook with these cells, and a setting of JupyterLab."""
-    notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell.strip()) for cell in cells])
-    notebook.metadata.kernelspec = {"name": "python3", "display_name": "Python 3", "language": "python"}
+    notebook = nbformat.v4.new_notebook(
+        cells=[nbformat.v4.new_code_cell(cell.strip()) for cell in cells]
+    )
+    notebook.metadata.kernelspec = {
+        "name": "python3",
+        "display_name": "Python 3",
+        "language": "python",
+    }
     nbformat.write(notebook, folder / "live.ipynb")
     setting = folder / "JUPYTER_CONFIG_DIR" / SAVES_STATE
     setting.parent.mkdir(parents=True, exist_ok=True)
@@ -292,14 +319,18 @@ def run_cell(page, number, how=RUN):
 
 def frame_of(page, number):
     """The frame of the widget that a cell shows, when it is connected."""
-    frame = page.wait_for_selector(f".jp-CodeCell >> nth={number} >> iframe[srcdoc]").content_frame()
+    frame = page.wait_for_selector(
+        f".jp-CodeCell >> nth={number} >> iframe[srcdoc]"
+    ).content_frame()
     wait_until(frame, "globalThis.live?.scene != null")
     return frame
 
 
 def ends(page, number):
     """Whether the cell has printed its last line."""
-    return page.locator(f".jp-CodeCell >> nth={number} >> .jp-OutputArea-output").all_inner_texts() == ["<ended>\n"]
+    return page.locator(
+        f".jp-CodeCell >> nth={number} >> .jp-OutputArea-output"
+    ).all_inner_texts() == ["<ended>\n"]
 
 
 def save(page, path):
@@ -309,16 +340,21 @@ def save(page, path):
     return path.read_text()
 
 
-has_jupyterlab = pytest.mark.skipif(find_spec("jupyterlab") is None, reason="no JupyterLab: pip install jupyterlab")
+has_jupyterlab = pytest.mark.skipif(
+    find_spec("jupyterlab") is None, reason="no JupyterLab: pip install jupyterlab"
+)
 has_threads = pytest.mark.skipif(
-    int(version("ipykernel").split(".")[0]) < 7, reason="ipykernel takes no messages of widgets while a cell runs"
+    int(version("ipykernel").split(".")[0]) < 7,
+    reason="ipykernel takes no messages of widgets while a cell runs",
 )
 
 
 @pytest.mark.thorough
 @needs_browser
 @has_jupyterlab
-def test_body_that_is_dragged_in_jupyterlab_moves_in_python_and_a_picture_remains(browser, tmp_path):
+def test_body_that_is_dragged_in_jupyterlab_moves_in_python_and_a_picture_remains(
+    browser, tmp_path
+):
     write_notebook(tmp_path, CELLS)
     with lab(tmp_path) as address, opened(browser, address, height=1600) as found:
         page = found.page

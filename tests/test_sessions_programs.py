@@ -29,7 +29,9 @@ def build(gravity=900.0, links=3):
         before, anchor = body, (10.0, 0.0)
     ball = pymunk.Body(2.0, 50.0)
     ball.position = 0.0, 0.0
-    space.add(ball, pymunk.Circle(ball, 10.0), pymunk.Segment(space.static_body, (-50, 60), (50, 60), 5.0))
+    space.add(
+        ball, pymunk.Circle(ball, 10.0), pymunk.Segment(space.static_body, (-50, 60), (50, 60), 5.0)
+    )
     return space
 
 
@@ -73,13 +75,17 @@ def test_controls_reach_the_space_and_values_outlast_a_rebuild():
         Slider("gravity", 0, 2000),
         Slider("links", 1, 9, rebuilds=True),
         Slider("iterations", 1, 50),
-        Slider("mass", 1, 50, 2, action=lambda space, value: setattr(balls(space)[0], "mass", value)),
+        Slider(
+            "mass", 1, 50, 2, action=lambda space, value: setattr(balls(space)[0], "mass", value)
+        ),
         Button("Kick", lambda space: balls(space)[0].apply_impulse_at_local_point((0, -500))),
         Key("ArrowLeft", lambda space: pressed.append("down"), lambda space: pressed.append("up")),
         Key("x", lambda space: pressed.append("x")),
     ]
     with played(space_scene(build, PlaySettings(controls=controls))) as on:
-        assert {"gravity": 900, "links": 3, "mass": 2}.items() <= on.session.state()["values"].items()
+        assert {"gravity": 900, "links": 3, "mass": 2}.items() <= on.session.state()[
+            "values"
+        ].items()
         for name, value in (("gravity", 450.0), ("mass", 7.0), ("iterations", 20.0)):
             assert on.do("set", name=name, value=value) is None
         assert on.scene.space.gravity == (0, 450)
@@ -130,7 +136,9 @@ def build_failing():
 
 
 @pytest.mark.parametrize("kind", ["on_step", "callback", "chart", "colour", "button"])
-def test_exception_in_a_users_function_pauses_once_shows_its_line_and_the_session_goes_on(kind, capfd):
+def test_exception_in_a_users_function_pauses_once_shows_its_line_and_the_session_goes_on(
+    kind, capfd
+):
     play = {
         "on_step": PlaySettings(on_step=fail),
         "callback": PlaySettings(),
@@ -142,7 +150,9 @@ def test_exception_in_a_users_function_pauses_once_shows_its_line_and_the_sessio
         on.do("play")
         if kind == "button":
             on.do("press", name="Fail", down=True)
-        while on.session.clock.running or not [message for message in on.told if message["kind"] == "error"]:
+        while on.session.clock.running or not [
+            message for message in on.told if message["kind"] == "error"
+        ]:
             on.settle()
         for _ in range(20):
             on.settle()
@@ -160,16 +170,26 @@ def test_exception_in_a_users_function_pauses_once_shows_its_line_and_the_sessio
 
 def test_charts_have_energy_and_momentum_and_the_quantities_of_the_user():
     with played(
-        space_scene(build, PlaySettings(units="px", plots={"Height": lambda space: balls(space)[0].position.y}))
+        space_scene(
+            build,
+            PlaySettings(units="px", plots={"Height": lambda space: balls(space)[0].position.y}),
+        )
     ) as on:
         on.step(10)
         kinetic, total, momentum, height = on.scene.plots().values()
         ball = balls(on.scene.space)[0]
         bodies = on.scene.space.bodies
-        doubled = sum(body.mass * body.velocity.length**2 + body.moment * body.angular_velocity**2 for body in bodies)
+        doubled = sum(
+            body.mass * body.velocity.length**2 + body.moment * body.angular_velocity**2
+            for body in bodies
+        )
         assert kinetic == pytest.approx(doubled / 2)
-        assert total - kinetic == pytest.approx(-900 * sum(body.mass * body.position.y for body in bodies))
-        assert momentum == pytest.approx(np.hypot(*sum(body.mass * np.array(body.velocity) for body in bodies)))
+        assert total - kinetic == pytest.approx(
+            -900 * sum(body.mass * body.position.y for body in bodies)
+        )
+        assert momentum == pytest.approx(
+            np.hypot(*sum(body.mass * np.array(body.velocity) for body in bodies))
+        )
         assert height == ball.position.y
 
 

@@ -36,8 +36,12 @@ def build(links=3, gravity=10.0):
 SLIDERS = [Slider("links", 1, 9, rebuilds=True), Slider("gravity", 0, 30)]
 
 
-@pytest.mark.parametrize("order", [("links", "gravity"), ("gravity", "links"), ("gravity",), ("links",)])
-def test_reset_of_a_built_space_has_the_first_values_of_all_sliders_in_whatever_order_they_were_set(order):
+@pytest.mark.parametrize(
+    "order", [("links", "gravity"), ("gravity", "links"), ("gravity",), ("links",)]
+)
+def test_reset_of_a_built_space_has_the_first_values_of_all_sliders_in_whatever_order_they_were_set(
+    order,
+):
     with played(space_scene(build, PlaySettings(controls=SLIDERS))) as on:
         for name in order:
             assert on.do("set", name=name, value={"links": 7.0, "gravity": 20.0}[name]) is None
@@ -59,7 +63,9 @@ def test_reset_of_a_built_space_has_the_first_values_of_all_sliders_in_whatever_
     ],
 )
 @pytest.mark.parametrize("backwards", [False, True])
-def test_reset_of_a_built_in_scene_or_a_march_has_the_first_values_of_all_sliders(source, changes, backwards):
+def test_reset_of_a_built_in_scene_or_a_march_has_the_first_values_of_all_sliders(
+    source, changes, backwards
+):
     with played(named_scene(source) if isinstance(source, str) else source) as on:
         first = on.session.state()["values"]
         for name in sorted(changes, reverse=backwards):
@@ -101,7 +107,9 @@ def chain(links=20):
         body.position = 0.1 + 0.2 * link, 0
         shape = pymunk.Segment(body, (-0.1, 0), (0.1, 0), 0.02)
         shape.filter = pymunk.ShapeFilter(group=1)
-        space.add(body, shape, pymunk.PivotJoint(before or space.static_body, body, hole, (-0.1, 0)))
+        space.add(
+            body, shape, pymunk.PivotJoint(before or space.static_body, body, hole, (-0.1, 0))
+        )
         before, hole = body, (0.1, 0.0)
     return space
 
@@ -159,7 +167,13 @@ def everything():
     space = pymunk.Space()
     a, b, hook = pymunk.Body(2, 3), pymunk.Body(1, 1), pymunk.Body(body_type=pymunk.Body.KINEMATIC)
     fixed, heavy = pymunk.Body(body_type=pymunk.Body.STATIC), pymunk.Body()
-    a.position, b.position, heavy.position, fixed.position, a.angle = (1, 2), (9, 2), (5, 9), (30, 30), 0.3
+    a.position, b.position, heavy.position, fixed.position, a.angle = (
+        (1, 2),
+        (9, 2),
+        (5, 9),
+        (30, 30),
+        0.3,
+    )
     a.center_of_gravity = 0.1, 0.2
     circle, segment = pymunk.Circle(a, 0.5, (0.1, 0)), pymunk.Segment(fixed, (0, 0), (1, 0), 0.1)
     polygon, ball = pymunk.Poly.create_box(b, (1, 1), 0.01), pymunk.Circle(heavy, 1)
@@ -177,7 +191,14 @@ def everything():
         "gear": pymunk.GearJoint(a, b, 0, 1),
         "motor": pymunk.SimpleMotor(a, b, 1),
     }
-    bodies = {"a": a, "b": b, "heavy": heavy, "fixed": fixed, "hook": hook, "ground": space.static_body}
+    bodies = {
+        "a": a,
+        "b": b,
+        "heavy": heavy,
+        "fixed": fixed,
+        "hook": hook,
+        "ground": space.static_body,
+    }
     shapes = {"circle": circle, "segment": segment, "polygon": polygon, "ball": ball}
     space.add(a, b, heavy, fixed, *shapes.values(), *joints.values())
     return {"space": space, **bodies, **shapes, **joints}
@@ -189,24 +210,63 @@ def other(*_):
 
 # What a user may change, and other values.
 CHANGES = {
-    "space": {"gravity": (1, 2), "damping": 0.3, "iterations": 3, "collision_slop": 0.4, "collision_bias": 0.1}
+    "space": {
+        "gravity": (1, 2),
+        "damping": 0.3,
+        "iterations": 3,
+        "collision_slop": 0.4,
+        "collision_bias": 0.1,
+    }
     | {"collision_persistence": 9, "sleep_time_threshold": 0.1, "idle_speed_threshold": 2},
-    "a": {"mass": 9, "moment": 8, "center_of_gravity": (0, 0), "angle": 2, "position": (70, 70), "velocity": (3, 4)}
-    | {"angular_velocity": 2, "force": (1, 1), "torque": 5, "velocity_func": other, "position_func": other, "name": 1},
+    "a": {
+        "mass": 9,
+        "moment": 8,
+        "center_of_gravity": (0, 0),
+        "angle": 2,
+        "position": (70, 70),
+        "velocity": (3, 4),
+    }
+    | {
+        "angular_velocity": 2,
+        "force": (1, 1),
+        "torque": 5,
+        "velocity_func": other,
+        "position_func": other,
+        "name": 1,
+    },
     "b": {"position": (math.nan, 0), "body_type": pymunk.Body.STATIC},
     "ball": {"density": 9},
     "heavy": {"mass": 4, "center_of_gravity": (1, 1), "position": (3, 3)},
     "fixed": {"position": (1, 1), "angle": 1},
     "hook": {"position": (4, 4), "velocity": (1, 1)},
     "ground": {"position": (2, 2)},
-    "circle": {"friction": 7, "elasticity": 3, "sensor": True, "collision_type": 4, "surface_velocity": (1, 1)}
+    "circle": {
+        "friction": 7,
+        "elasticity": 3,
+        "sensor": True,
+        "collision_type": 4,
+        "surface_velocity": (1, 1),
+    }
     | {"filter": pymunk.ShapeFilter(4, 5, 6), "color": (9, 9, 9, 255)},
-    "pin": {"distance": 77, "anchor_a": (1, 1), "anchor_b": (2, 2), "max_force": 3, "error_bias": 0.5, "max_bias": 2}
+    "pin": {
+        "distance": 77,
+        "anchor_a": (1, 1),
+        "anchor_b": (2, 2),
+        "max_force": 3,
+        "error_bias": 0.5,
+        "max_bias": 2,
+    }
     | {"collide_bodies": False, "pre_solve": other, "post_solve": other},
     "slide": {"min": 2, "max": 3, "anchor_a": (1, 1), "anchor_b": (2, 2)},
     "pivot": {"anchor_a": (1, 1), "anchor_b": (2, 2), "max_force": 5},
     "groove": {"groove_a": (3, 3), "groove_b": (4, 5), "anchor_b": (6, 6)},
-    "spring": {"rest_length": 9, "stiffness": 8, "damping": 7, "anchor_a": (1, 1), "force_func": other},
+    "spring": {
+        "rest_length": 9,
+        "stiffness": 8,
+        "damping": 7,
+        "anchor_a": (1, 1),
+        "force_func": other,
+    },
     "rotary": {"rest_angle": 9, "stiffness": 8, "damping": 7, "torque_func": other},
     "limit": {"min": -1, "max": 1},
     "ratchet": {"angle": 3, "phase": 2, "ratchet": 5},
@@ -226,7 +286,9 @@ def state(parts):
         if hasattr(part, key) and key not in {"bb", "impulse", "normal"}
     }
     found["vertices"] = parts["polygon"].get_vertices()
-    return {key: list(value) if hasattr(value, "mapping") else value for key, value in found.items()}
+    return {
+        key: list(value) if hasattr(value, "mapping") else value for key, value in found.items()
+    }
 
 
 def test_reset_of_a_given_space_brings_back_all_that_pymunk_lets_a_user_change():
@@ -247,7 +309,9 @@ def test_reset_of_a_given_space_brings_back_all_that_pymunk_lets_a_user_change()
             parts["polygon"].unsafe_set_radius(4)
             parts["a"].added = 3
             newcomer = pymunk.Body(1, 1)
-            space.add(newcomer, pymunk.Circle(newcomer, 1), pymunk.SimpleMotor(parts["a"], newcomer, 1))
+            space.add(
+                newcomer, pymunk.Circle(newcomer, 1), pymunk.SimpleMotor(parts["a"], newcomer, 1)
+            )
         assert on.do("obstacle", shape="round", x=0.0, y=0.0, size=1.0) is None
         changed = state(parts)
         for name, values in CHANGES.items():
@@ -347,8 +411,14 @@ def test_callbacks_of_a_built_space_are_not_called_when_it_is_built_again_or_the
         space.on_collision(separate=lambda *_: called.append("separate"))
         return space
 
-    with played(space_scene(make, PlaySettings(controls=[Slider("count", 1, 20, rebuilds=True)]))) as on:
-        for message in ({"do": "reset"}, {"do": "set", "name": "count", "value": 5}, {"do": "scene", "name": "space"}):
+    with played(
+        space_scene(make, PlaySettings(controls=[Slider("count", 1, 20, rebuilds=True)]))
+    ) as on:
+        for message in (
+            {"do": "reset"},
+            {"do": "set", "name": "count", "value": 5},
+            {"do": "scene", "name": "space"},
+        ):
             on.step(20)
             assert on.do(message.pop("do"), **message) is None
             gc.collect()
@@ -441,7 +511,11 @@ def open_floor(space):
 
 
 def test_controls_take_effect_on_a_sleeping_stack_and_a_cut_joint_lets_a_sleeping_body_fall():
-    controls = [Slider("belt", -9, 9, 0, action=friction), Button("Open", open_floor), Key("o", print, open_floor)]
+    controls = [
+        Slider("belt", -9, 9, 0, action=friction),
+        Button("Open", open_floor),
+        Key("o", print, open_floor),
+    ]
     for action in (
         {"do": "set", "name": "gravity", "value": 2.0},
         {"do": "set", "name": "belt", "value": 3.0},
@@ -454,7 +528,9 @@ def test_controls_take_effect_on_a_sleeping_stack_and_a_cut_joint_lets_a_sleepin
     space = sleeping_stack(1)
     body = pymunk.Body(1, 1)
     body.position = 5, 3
-    space.add(body, pymunk.Circle(body, 0.2), pymunk.PinJoint(space.static_body, body, (5, 5), (0, 0)))
+    space.add(
+        body, pymunk.Circle(body, 0.2), pymunk.PinJoint(space.static_body, body, (5, 5), (0, 0))
+    )
     with played(space) as on:
         on.run(2.0)
         assert body.is_sleeping
@@ -466,7 +542,8 @@ def test_controls_take_effect_on_a_sleeping_stack_and_a_cut_joint_lets_a_sleepin
 def test_slider_of_gravity_in_a_space_without_points_down_on_the_screen():
     for y_down, sign in ((True, 1), (False, -1)):
         source = space_scene(
-            lambda: pymunk.Space(), PlaySettings(controls=[Slider("gravity", -9, 9, 0)], y_down=y_down)
+            lambda: pymunk.Space(),
+            PlaySettings(controls=[Slider("gravity", -9, 9, 0)], y_down=y_down),
         )
         with played(source) as on:
             for value in (5.0, 0.0, -3.0, 4.0):
@@ -500,9 +577,14 @@ def test_session_goes_on_after_an_error_in_each_function_of_the_users():
         space.on_collision(pre_solve=lambda *_: begins())
         return space
 
-    controls = [Button("b", lambda space: presses()), Slider("s", 0, 9, action=lambda space, value: moves())]
+    controls = [
+        Button("b", lambda space: presses()),
+        Slider("s", 0, 9, action=lambda space, value: moves()),
+    ]
     controls.append(Key("k", print, lambda space: ups()))
-    play = PlaySettings(on_step=steps, controls=controls, plots={"p": lambda space: plots()}, events=events)
+    play = PlaySettings(
+        on_step=steps, controls=controls, plots={"p": lambda space: plots()}, events=events
+    )
     with played(space_scene(make, play)) as on:
         for failing, action, arguments in (
             (builds, "reset", {}),
@@ -531,7 +613,9 @@ def test_session_goes_on_after_an_error_in_each_function_of_the_users():
         assert on.step(3) == 3
 
 
-@pytest.mark.parametrize("result", [None, 3, [pymunk.Space()]], ids=lambda value: type(value).__name__)
+@pytest.mark.parametrize(
+    "result", [None, 3, [pymunk.Space()]], ids=lambda value: type(value).__name__
+)
 def test_function_that_builds_no_space_at_a_reset_is_named_and_the_old_scene_goes_on(result):
     spaces = [falling(2), result, falling(3)]
     with played(space_scene(lambda: spaces.pop(0), PlaySettings())) as on:
@@ -552,7 +636,11 @@ def test_program_with_a_loop_of_its_own_gets_its_errors_and_goes_on(watched, cap
 
     space.on_collision(begin=begin)
     plots, told = {"p": fail}, []
-    session = Session(space_scene(lambda: space, PlaySettings(step=None, plots=plots, controls=[Button("b", fail)])))
+    session = Session(
+        space_scene(
+            lambda: space, PlaySettings(step=None, plots=plots, controls=[Button("b", fail)])
+        )
+    )
     if watched:
         session.join(Listener(session, told))
         assert not told[0]["resets"]
@@ -585,10 +673,14 @@ def test_exit_in_a_function_of_the_users_ends_the_session_and_what_its_clients_s
 
 
 @pytest.mark.parametrize(
-    "value", [None, "3 m", [1.0], np.zeros(2), np.zeros(1), 1j, pymunk.Vec2d(1, 2)], ids=lambda value: repr(value)
+    "value",
+    [None, "3 m", [1.0], np.zeros(2), np.zeros(1), 1j, pymunk.Vec2d(1, 2)],
+    ids=lambda value: repr(value),
 )
 def test_message_about_a_chart_without_a_number_names_the_chart_and_the_value(value):
-    with played(space_scene(build, PlaySettings(plots={"Height of the ball": lambda space: value}))) as on:
+    with played(
+        space_scene(build, PlaySettings(plots={"Height of the ball": lambda space: value}))
+    ) as on:
         with pytest.raises(ParameterError) as raised:
             on.scene.plots()
         assert_says(raised.value, "Height of the ball", repr(value)[:5])
@@ -605,7 +697,15 @@ def test_message_about_a_chart_that_fails_names_the_chart_and_the_line():
 
 
 def test_charts_take_all_kinds_of_numbers():
-    values = {"a": 3, "b": True, "c": np.float32(2), "d": np.True_, "e": math.nan, "f": 10**400, "g": np.int8(4)}
+    values = {
+        "a": 3,
+        "b": True,
+        "c": np.float32(2),
+        "d": np.True_,
+        "e": math.nan,
+        "f": 10**400,
+        "g": np.int8(4),
+    }
     plots = {name: lambda space, value=value: value for name, value in values.items()}
     with played(space_scene(build, PlaySettings(plots=plots))) as on:
         found = [on.scene.plots()[name] for name in plots]

@@ -76,7 +76,9 @@ def falling(**arguments):
     space.gravity = 0, -9.81
     ball = pymunk.Body(1, 1)
     ball.position = 0, 5
-    space.add(ball, pymunk.Circle(ball, 0.5), pymunk.Segment(space.static_body, (-9, 0), (9, 0), 0.1))
+    space.add(
+        ball, pymunk.Circle(ball, 0.5), pymunk.Segment(space.static_body, (-9, 0), (9, 0), 0.1)
+    )
     return space
 
 
@@ -97,7 +99,9 @@ def test_steps_and_pictures_are_made_when_they_are_due_and_no_others():
     on.run(1.0)
     assert on.scene.steps == pytest.approx(100, abs=1)
     assert len(on.page.frames) == pytest.approx(60, abs=1)
-    assert [frame.step for frame in on.page.frames] == sorted({frame.step for frame in on.page.frames})
+    assert [frame.step for frame in on.page.frames] == sorted(
+        {frame.step for frame in on.page.frames}
+    )
     assert on.page.told[0]["kind"] == "scene"
 
     on.do("speed", value=0.5)
@@ -220,7 +224,13 @@ def test_recording_is_replayed_to_the_bit(name):
         assert on.do(action, **arguments) == []
         on.run(0.11)
     log = on.session.log()
-    assert [message["do"] for _, message in log["inputs"]] == ["grab", "drag", "set", "obstacle", "drop"]
+    assert [message["do"] for _, message in log["inputs"]] == [
+        "grab",
+        "drag",
+        "set",
+        "obstacle",
+        "drop",
+    ]
 
     again = Turns(recorded_scene(log["plan"]), log=log)
     assert again.do("drop") != []

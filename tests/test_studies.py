@@ -41,7 +41,9 @@ def exact_sizes(**changed):
 def test_the_smallest_pitch_is_that_of_fifty_digits(answer):
     assert answer.benches == (0, 19)
     # Beginning further away than the answers agree.
-    time, pitch = oracle.grazing((0, 19), round(answer.distance, 3), exact_sizes(pitch=round(answer.pitch, 8)))
+    time, pitch = oracle.grazing(
+        (0, 19), round(answer.distance, 3), exact_sizes(pitch=round(answer.pitch, 8))
+    )
     assert abs(pitch - mp.mpf("0.450337393027195485")) < 1e-16
     assert abs(answer.pitch - pitch) < 1e-12
     # The gap is stationary there.
@@ -69,7 +71,9 @@ def test_larger_pitches_are_free_and_smaller_ones_are_not(answer):
 
 def test_neither_the_speed_nor_benches_further_back_than_a_turn_matter(answer):
     shown = []
-    slow = min_pitch(Dragon(benches=25), speed=0.5, progress=lambda done, total: shown.append(done / total))
+    slow = min_pitch(
+        Dragon(benches=25), speed=0.5, progress=lambda done, total: shown.append(done / total)
+    )
     assert slow.pitch == pytest.approx(answer.pitch, abs=1e-12)
     assert slow.march.time(slow.arrival_distance) == pytest.approx(2 * answer.arrival_distance)
     assert (min(shown) > 0, max(shown), shown[-1]) == (True, 1, 1)
@@ -101,7 +105,10 @@ def test_where_nothing_is_in_the_way_the_head_starts_on_the_circle():
 
 def test_impossible_sizes_are_refused_by_name():
     for make, *words in (
-        *((lambda value=value: min_pitch(radius=value), "radius", "2.86 to 100 m") for value in NO_NUMBERS),
+        *(
+            (lambda value=value: min_pitch(radius=value), "radius", "2.86 to 100 m")
+            for value in NO_NUMBERS
+        ),
         (lambda: min_pitch(turns=0.05, radius=60.0), "radius", "60", "2.86 to 50 m"),
         (lambda: min_pitch(Dragon(benches=2)), "benches", "2"),
         (lambda: min_pitch(Dragon(benches=3, body_spacing=0.7)), "run into itself"),
@@ -115,7 +122,10 @@ def test_impossible_sizes_are_refused_by_name():
 # Sensitivity
 
 
-@pytest.fixture(scope="module", params=["by the width", pytest.param("by all sizes", marks=pytest.mark.thorough)])
+@pytest.fixture(
+    scope="module",
+    params=["by the width", pytest.param("by all sizes", marks=pytest.mark.thorough)],
+)
 def sensed(request):
     make = sensitivity if request.param == "by all sizes" else slopes_by_width
     return shared_answer(f"sensitivity {request.param}", make)
@@ -134,7 +144,10 @@ def test_slopes_are_those_of_fifty_digits(sensed):
         way, _ = oracle.grazing((0, 19), sensed.smallest.distance, sizes)
 
         def growth(name):
-            less, more = (oracle.gap(way, (0, 19), sizes | {name: sizes[name] + side}) for side in (-step, step))
+            less, more = (
+                oracle.gap(way, (0, 19), sizes | {name: sizes[name] + side})
+                for side in (-step, step)
+            )
             return (more - less) / (2 * step)
 
         for name, slope in sensed.pitches.items():
@@ -157,7 +170,9 @@ def test_where_the_smallest_pitch_is_limited_as_the_head_arrives_its_slope_is_th
     assert found.times.keys() == found.pitches.keys()
     assert found.smallest.distance == pytest.approx(found.smallest.arrival_distance, abs=1e-5)
     wider = min_pitch(replace(dragon, width=0.300001))
-    assert (wider.pitch - found.smallest.pitch) / 1e-6 == pytest.approx(found.pitches["width"], rel=1e-4)
+    assert (wider.pitch - found.smallest.pitch) / 1e-6 == pytest.approx(
+        found.pitches["width"], rel=1e-4
+    )
 
 
 # Studies by name, and on the command line
@@ -200,8 +215,13 @@ def test_a_study_brings_its_options_and_its_formats(call, monkeypatch):
         formats=(".json",),
     )
     monkeypatch.setitem(STUDIES, "deepest", added)
-    monkeypatch.delitem(sys.modules, "pymunk_dragon.cli.study", raising=False)  # It reads the registry once.
-    assert json.loads(call("study", "deepest", "--width", "0.2", "--depth", "3", "--json")[1])["depth"] == 3 * 0.2
+    monkeypatch.delitem(
+        sys.modules, "pymunk_dragon.cli.study", raising=False
+    )  # It reads the registry once.
+    assert (
+        json.loads(call("study", "deepest", "--width", "0.2", "--depth", "3", "--json")[1])["depth"]
+        == 3 * 0.2
+    )
     assert Deepest(1.0)._repr_html_() == "<pre>1.0 m</pre>"
     status, _, err = call("study", "deepest", "-o", "deepest.png")
     assert (status, ".json" in err) == (2, True)

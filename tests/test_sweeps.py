@@ -27,7 +27,9 @@ from pymunk_dragon.sweeps.quantities import contact_time
 THREAD = ThreadPoolExecutor(1)
 PYTHON = sys.executable
 # Programs find the quantities of the tests.
-ENVIRONMENT = os.environ | {"PYTHONPATH": f"{Path(__file__).parent}{os.pathsep}{os.environ.get('PYTHONPATH', '.')}"}
+ENVIRONMENT = os.environ | {
+    "PYTHONPATH": f"{Path(__file__).parent}{os.pathsep}{os.environ.get('PYTHONPATH', '.')}"
+}
 # A dragon whose head runs into it after 13 s: an exact search takes a tenth of a second.
 SHORT = {"benches": 10, "turns": 5}
 X = {"x": [-1.5, 0.0, 1.0, 2.0, 2.5, 3.0]}
@@ -44,7 +46,10 @@ def test_contact_time_is_that_of_first_contact():
     for pitch, start_s, width, *values, error in found.rows():
         hit = first_contact(Scenario(pitch=pitch, start_s=start_s, width=width, benches=10).march())
         time_of_contact = hit.time if hit.status == "contact" else None
-        assert (values, error) == ([time_of_contact, *(hit.benches or (None, None)), hit.status], None)
+        assert (values, error) == (
+            [time_of_contact, *(hit.benches or (None, None)), hit.status],
+            None,
+        )
     assert len(set(found.column("status"))) > 1
 
 
@@ -52,8 +57,16 @@ def test_contact_time_is_that_of_first_contact():
 def test_values_are_those_of_the_studies():
     dragon = Dragon(benches=20)
     for quantity, axes, expected in (
-        ("min-pitch", {"radius": [5]}, [(found := min_pitch(dragon, radius=5)).pitch, *found.benches]),
-        ("max-speed", {"limit": [1.5]}, [(found := max_speed(dragon, limit=1.5)).speed, found.handle, found.ratio]),
+        (
+            "min-pitch",
+            {"radius": [5]},
+            [(found := min_pitch(dragon, radius=5)).pitch, *found.benches],
+        ),
+        (
+            "max-speed",
+            {"limit": [1.5]},
+            [(found := max_speed(dragon, limit=1.5)).speed, found.handle, found.ratio],
+        ),
     ):
         [(_, *values, _)] = sweep({"benches": 20}, axes, quantity, THREAD).rows()
         assert values == expected, quantity
@@ -64,12 +77,25 @@ def test_scenario_and_quantity_are_given_in_any_form():
     for scenario, quantity in (
         (Scenario(**SHORT, pitch=0.6), contact_time),
         (Scenario(**SHORT, pitch=0.6).march(), "contact-time"),
-        ({"dragon": {"benches": 10}, "curve": {"kind": "spiral", "pitch": 0.6}, "turns": 5}, contact_time),
-        ({"benches": np.int64(10), "turns": 5, "pitch": 0.6}, "pymunk_dragon.sweeps.quantities:contact_time"),
+        (
+            {"dragon": {"benches": 10}, "curve": {"kind": "spiral", "pitch": 0.6}, "turns": 5},
+            contact_time,
+        ),
+        (
+            {"benches": np.int64(10), "turns": 5, "pitch": 0.6},
+            "pymunk_dragon.sweeps.quantities:contact_time",
+        ),
     ):
         found = sweep(scenario, {"width": [0.3]}, quantity, THREAD)
-        assert (found.column("contact_time")[0], found.reference) == (expected, {"width": 0.3}), scenario
-    for options in ({"quantity": lambda march: {}}, {"executor": 3}, {"axes": {"x": [[0.5], [1, 2]]}}, {"axes": {}}):
+        assert (found.column("contact_time")[0], found.reference) == (expected, {"width": 0.3}), (
+            scenario
+        )
+    for options in (
+        {"quantity": lambda march: {}},
+        {"executor": 3},
+        {"axes": {"x": [[0.5], [1, 2]]}},
+        {"axes": {}},
+    ):
         refusal(sweep, **{"axes": {"width": [0.3]}, "executor": THREAD} | options)
 
 
@@ -80,7 +106,13 @@ def test_table_is_in_the_order_of_the_grid_wherever_points_are_evaluated(tmp_pat
     with ProcessPoolExecutor(1, get_context("spawn")) as pool:
         for options in ({"executor": ThreadPoolExecutor(2)}, {"workers": 2}, {"executor": pool}):
             options["progress"] = lambda *count: told.append(count)
-            found = sweep({**SMALL, "z": np.float32(0.5)}, axes, functions.total, out=tmp_path / "map.csv", **options)
+            found = sweep(
+                {**SMALL, "z": np.float32(0.5)},
+                axes,
+                functions.total,
+                out=tmp_path / "map.csv",
+                **options,
+            )
             assert list(found.rows()) == [[x, n, y, x + y + n + 0.5, 4, None] for x, n, y in points]
             assert (tmp_path / "map.csv").read_text().splitlines()[1] == "3.0,0,0.5,4.0,4,"
             assert (told[-1], told) == ((360, 360), sorted(told))
@@ -95,14 +127,23 @@ def test_values_of_a_function_are_plain_cells_and_columns_are_those_of_all_point
         head, first, *rows = csv.reader(file)
     assert (head, first) == (["k", "w", "v", "error"], ["0", "7", "", ""])
     assert rows == [[str(k), "", value, ""] for k, value in enumerate(plain, start=1)]
-    assert np.isnan(sweep(SMALL, {"k": [1, 10]}, functions.value, THREAD).column("v")).tolist() == [False, True]
+    assert np.isnan(sweep(SMALL, {"k": [1, 10]}, functions.value, THREAD).column("v")).tolist() == [
+        False,
+        True,
+    ]
 
 
 def test_failing_point_is_a_row_with_the_reason_and_harms_no_other(tmp_path):
     # From a process, to which an exception would come back pickled.
     count = len(RAISED) + len(UNFIT)
-    found = sweep(SMALL, {"k": range(count)}, functions.raising, out=tmp_path / "map.csv", workers=1)
-    raised = [r"ValueError: two lines\x1b[1m\ud800", "UnpicklableError: this and that", "SystemExit: 3"]
+    found = sweep(
+        SMALL, {"k": range(count)}, functions.raising, out=tmp_path / "map.csv", workers=1
+    )
+    raised = [
+        r"ValueError: two lines\x1b[1m\ud800",
+        "UnpicklableError: this and that",
+        "SystemExit: 3",
+    ]
     assert found.column("error").tolist()[: len(RAISED)] == raised
     assert (found.columns, found.failed) == (("k", "error"), count)
     assert len((tmp_path / "map.csv").read_text().splitlines()) == count + 1
@@ -111,11 +152,33 @@ def test_failing_point_is_a_row_with_the_reason_and_harms_no_other(tmp_path):
 
 
 def test_program_writes_the_table_or_prints_it_only_whatever_functions_print(tmp_path):
-    axes = ["--axis", "pitch=0.10:0.70:0.3", "--axis", "x=7", "--axis", "head-spacing=2.50", "--axis", "x=5:6:1"]
-    command = [PYTHON, "-m", "pymunk_dragon", "sweep", *FLAGS, *axes, "--workers", "1", "--quantity", "mine:printing"]
+    axes = [
+        "--axis",
+        "pitch=0.10:0.70:0.3",
+        "--axis",
+        "x=7",
+        "--axis",
+        "head-spacing=2.50",
+        "--axis",
+        "x=5:6:1",
+    ]
+    command = [
+        PYTHON,
+        "-m",
+        "pymunk_dragon",
+        "sweep",
+        *FLAGS,
+        *axes,
+        "--workers",
+        "1",
+        "--quantity",
+        "mine:printing",
+    ]
 
     def program(*arguments):
-        return subprocess.run([*command, *arguments], capture_output=True, text=True, cwd=tmp_path, env=ENVIRONMENT)
+        return subprocess.run(
+            [*command, *arguments], capture_output=True, text=True, cwd=tmp_path, env=ENVIRONMENT
+        )
 
     (tmp_path / "mine.py").write_text("from sweep_functions import printing")
     done = program("--json", "-o", "map.csv")
@@ -136,11 +199,19 @@ class Case:
     """A sweep of six points whose evaluations are counted, of which four end before it is interrupted."""
 
     def __init__(self, folder):
-        self.out, self.partial, self.log = folder / "map.csv", folder / "map.csv.partial", f"{folder}.log"
+        self.out, self.partial, self.log = (
+            folder / "map.csv",
+            folder / "map.csv.partial",
+            f"{folder}.log",
+        )
 
     def run(self, **options):
         Path(self.log).write_text("")
-        given = {"scenario": {**SMALL, "log": self.log}, "axes": X, "quantity": functions.logged} | options
+        given = {
+            "scenario": {**SMALL, "log": self.log},
+            "axes": X,
+            "quantity": functions.logged,
+        } | options
         return sweep(executor=THREAD, out=self.out, **given)
 
     def evaluated(self):
@@ -202,10 +273,26 @@ def test_damaged_partial_table_and_one_that_is_none_is_left_alone(case):
     whole = case.interrupt()
     case.assert_refused("map.csv.partial", ParameterError)
     first, _, third, *_ = whole.splitlines(keepends=True)
-    lines = (b"garbage\n", b"\n", b"\x00" * 20 + b"\n", third.replace(b"0", b"1", 1), third[1:], b"\xff\n")
-    contents = [b"my notes\n", b"my notes", b"\x00\x01", b"{\n}\n", *(whole.replace(third, line) for line in lines)]
+    lines = (
+        b"garbage\n",
+        b"\n",
+        b"\x00" * 20 + b"\n",
+        third.replace(b"0", b"1", 1),
+        third[1:],
+        b"\xff\n",
+    )
+    contents = [
+        b"my notes\n",
+        b"my notes",
+        b"\x00\x01",
+        b"{\n}\n",
+        *(whole.replace(third, line) for line in lines),
+    ]
     places = range(len(first), len(whole) - 1)
-    for content in [*contents, *(whole[:at] + bytes([whole[at] ^ 1]) + whole[at + 1 :] for at in places)]:
+    for content in [
+        *contents,
+        *(whole[:at] + bytes([whole[at] ^ 1]) + whole[at + 1 :] for at in places),
+    ]:
         case.partial.write_bytes(content)
         case.assert_refused("partial table", resume=True)
 
@@ -243,9 +330,16 @@ def test_map_has_a_cell_for_each_point_and_lines_where_other_benches_touch():
     expected = [[x * y if x < 0.55 else np.nan for x in (0.1, 0.2, 0.3, 0.6)] for y in (1, 2, 3)]
     np.testing.assert_allclose(np.ma.filled(mesh.get_array(), np.nan), expected)
     # Benches 9 at (0.2, 3), (0.3, 2) and (0.3, 3), benches 8 at smaller products, and none at x = 0.6.
-    lines = [segment.ravel() for lines in artists(drawing, "jumps") for segment in lines.get_segments()]
+    lines = [
+        segment.ravel() for lines in artists(drawing, "jumps") for segment in lines.get_segments()
+    ]
     found = sorted(tuple(np.round(line, 9).tolist()) for line in lines)
-    steps = [(0.15, 2.5, 0.15, 3.5), (0.15, 2.5, 0.25, 2.5), (0.25, 1.5, 0.25, 2.5), (0.25, 1.5, 0.45, 1.5)]
+    steps = [
+        (0.15, 2.5, 0.15, 3.5),
+        (0.15, 2.5, 0.25, 2.5),
+        (0.25, 1.5, 0.25, 2.5),
+        (0.25, 1.5, 0.45, 1.5),
+    ]
     assert found == [*steps, *((0.45, y, 0.45, y + 1) for y in (0.5, 1.5, 2.5))]
     texts = {text.get_text() for text in drawing.findobj(matplotlib.text.Text)}
     labels = {"0 and 8", "0 and 9", "clear", "gap, m", "no value", "reference: x 0.25"}
@@ -278,9 +372,24 @@ def test_odd_data_are_drawn_twice_the_same(tmp_path):
 # Workers, schedulers and programs that are killed, or interrupted: one line, no process left, no finished point again
 
 # A sweep of twelve points of which four end, and its table.
-SWEEP = [PYTHON, "-m", "pymunk_dragon", "sweep", *FLAGS, "--quantity", "sweep_functions:logged", "-o", "map.csv"]
+SWEEP = [
+    PYTHON,
+    "-m",
+    "pymunk_dragon",
+    "sweep",
+    *FLAGS,
+    "--quantity",
+    "sweep_functions:logged",
+    "-o",
+    "map.csv",
+]
 TWELVE = ["--axis", "x=0:11:1", "--workers", "2"]
-TABLE = "".join(["x,square,side,error\n", *(f"{x},{x * x},{'left' if x < 3 else 'right'},\n" for x in range(12))])
+TABLE = "".join(
+    [
+        "x,square,side,error\n",
+        *(f"{x},{x * x},{'left' if x < 3 else 'right'},\n" for x in range(12)),
+    ]
+)
 KEPT = " of 12 points are in map.csv.partial"
 
 
@@ -289,7 +398,9 @@ def program(folder, *arguments, command=SWEEP):
     """The program that sweeps in a folder, in a process group of its own as a shell in a terminal has it."""
     environment = ENVIRONMENT | {"SWEEP_LOG": str(folder / "points.log")}
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-    running = subprocess.Popen([*command, *arguments], cwd=folder, env=environment, process_group=0, **pipes)
+    running = subprocess.Popen(
+        [*command, *arguments], cwd=folder, env=environment, process_group=0, **pipes
+    )
     try:
         yield running
     finally:

@@ -104,13 +104,17 @@ def test_shortest_turn_has_five_arcs_and_stays_in_the_circle(answer):
     assert np.hypot(*inside.T).max() <= 4.5 + 1e-12
     assert all(arc.radius >= 0.5 for arc in path.pieces[1:-1])
     # Entry and exit are those of the contest's turn.
-    assert path.point([0, short.length]) == pytest.approx(answer.turn.tangent_points[[0, 2]], abs=1e-12)
+    assert path.point([0, short.length]) == pytest.approx(
+        answer.turn.tangent_points[[0, 2]], abs=1e-12
+    )
     # The arcs of the answer, laid end to end, come to the exit with its tangent.
     point, heading = (complex(*part) for part in (path.point(0), path.tangent(0)))
     for arc in answer.to_dict()["shortest"]["arcs"]:
         turned = np.exp(1j * arc["curvature"] * arc["length"])
         point, heading = point + heading * (turned - 1) / (1j * arc["curvature"]), heading * turned
-    assert [point, heading] == pytest.approx([complex(*path.point(short.length)), complex(*path.tangent(0))], abs=1e-12)
+    assert [point, heading] == pytest.approx(
+        [complex(*path.point(short.length)), complex(*path.tangent(0))], abs=1e-12
+    )
 
 
 def test_search_reports_its_progress_and_claims_no_proof(answer):
@@ -141,7 +145,9 @@ def test_the_ratio_at_the_limit_is_the_one_in_many_digits(limit):
         truth, spacings, tiny = exact_turn(), limit.dragon.spacings[: limit.handle], mp.mpf("1e-15")
 
         def ratio(way):
-            before, after = (walked_chain(truth, mp.mpf(way) + sign * tiny, spacings)[-1] for sign in (-1, 1))
+            before, after = (
+                walked_chain(truth, mp.mpf(way) + sign * tiny, spacings)[-1] for sign in (-1, 1)
+            )
             return (after - before) / (2 * tiny)
 
         there = ratio(limit.distance)
@@ -191,14 +197,20 @@ def test_other_dragons_and_turns_are_as_fast_as_a_scan_sees():
 def test_long_dragons_and_wide_turns_are_bounded_with_little_work(monkeypatch):
     search, counts = sys.modules["pymunk_dragon.studies.max_speed"]._Search, []
     ratios = search._ratios
-    monkeypatch.setattr(search, "_ratios", lambda self, *chains: counts.append(len(chains[0])) or ratios(self, *chains))
+    monkeypatch.setattr(
+        search,
+        "_ratios",
+        lambda self, *chains: counts.append(len(chains[0])) or ratios(self, *chains),
+    )
     # With 2.0 m the whole dragon was followed through the turn, for a minute and a half.
     for head_spacing in (1.9, 2.0):
         found = max_speed(Dragon(head_spacing=head_spacing))
         assert found.excess < 0.02
         assert sum(counts) < 5000
         counts.clear()
-        seen, _ = scanned(found.dragon, found.curve, found.distance - 1.0, found.distance + 1.0, 0.05)
+        seen, _ = scanned(
+            found.dragon, found.curve, found.distance - 1.0, found.distance + 1.0, 0.05
+        )
         assert seen <= found.ratio * (1 + found.excess)
     # On a turn gentler than the way out, the bound for the way out is the larger one.
     found = max_speed(Dragon(benches=20), radius=40.0)
@@ -210,7 +222,11 @@ def test_long_dragons_and_wide_turns_are_bounded_with_little_work(monkeypatch):
 def test_impossible_limits_turns_and_dragons_are_refused_by_name():
     short = Dragon(benches=4, head_spacing=0.51, body_spacing=0.47, overhang=0.01, width=0.05)
     for dragon, sizes, *words in (
-        *((None, {n: value}, f"{n} is ") for n in ("limit", "pitch", "radius", "ratio") for value in NO_NUMBERS),
+        *(
+            (None, {n: value}, f"{n} is ")
+            for n in ("limit", "pitch", "radius", "ratio")
+            for value in NO_NUMBERS
+        ),
         (Dragon(body_spacing=[1.65, 1.5, 1.65]), {}, "alike"),
         (None, {"radius": 0.6}, "radius is 0.6"),
         # Handle 1 is pushed back all the way out.
@@ -220,7 +236,9 @@ def test_impossible_limits_turns_and_dragons_are_refused_by_name():
         assert_says(refusal(max_speed, dragon, **sizes), *words)
     refusal(max_speed, radius=4.2, error=UnreachableError)
     for radius in (1.8, 4.0):
-        assert_says(refusal(u_turn, Dragon(benches=12), radius=radius, search=False), f"radius is {radius}")
+        assert_says(
+            refusal(u_turn, Dragon(benches=12), radius=radius, search=False), f"radius is {radius}"
+        )
 
 
 def test_program_tells_the_limit(call, limit):

@@ -41,13 +41,19 @@ def report(what: str, wanted: Iterable[str], found: Iterable[str]) -> None:
 def strings(node: ast.AST) -> set[str]:
     """The string literals in a part of a program, of which f-strings have the names of their fields."""
     nodes = list(ast.walk(node))
-    found = {each.value for each in nodes if isinstance(each, ast.Constant) and isinstance(each.value, str)}
+    found = {
+        each.value
+        for each in nodes
+        if isinstance(each, ast.Constant) and isinstance(each.value, str)
+    }
     return found | {ast.unparse(each)[2:-1] for each in nodes if isinstance(each, ast.JoinedStr)}
 
 
 def script_texts(source: str) -> set[str]:
     """First arguments of all calls of `localized`."""
-    return {json.loads(re.sub(r'"\s*\+\s*"', "", found)) for found in LOCALIZED.findall(source) if found}
+    return {
+        json.loads(re.sub(r'"\s*\+\s*"', "", found)) for found in LOCALIZED.findall(source) if found
+    }
 
 
 def blocks(element: Tag) -> Iterator[str]:
@@ -66,14 +72,24 @@ def html_texts(page: str) -> set[str]:
     parts = {path.stem: path.read_text() for path in (PACKAGE / "web/assets").glob("*.html")}
     whole = re.sub(r"\{\{(\w+)\}\}", lambda found: parts.get(found[1], found[0]), page)
     soup = BeautifulSoup(whole[whole.index("<body") :], "html.parser")
-    found = {str(each[name]) for name in ("aria-label", "title") for each in soup.find_all(attrs={name: True})}
+    found = {
+        str(each[name])
+        for name in ("aria-label", "title")
+        for each in soup.find_all(attrs={name: True})
+    }
     return {text for text in found.union(blocks(soup)) if LETTER.search(text) and "{{" not in text}
 
 
 trees = [ast.parse(source) for source in sources(".py")]
-calls = [node for tree in trees for node in ast.walk(tree) if isinstance(node, ast.Call) and node.args]
-wanted = set().union(*(strings(call.args[0]) for call in calls if getattr(call.func, "id", "") == "text"))
-wanted = wanted.union(*(re.findall(r'\b(?:text|name|words)\("([^"]+)"\)', source) for source in sources(".j2")))
+calls = [
+    node for tree in trees for node in ast.walk(tree) if isinstance(node, ast.Call) and node.args
+]
+wanted = set().union(
+    *(strings(call.args[0]) for call in calls if getattr(call.func, "id", "") == "text")
+)
+wanted = wanted.union(
+    *(re.findall(r'\b(?:text|name|words)\("([^"]+)"\)', source) for source in sources(".j2"))
+)
 wanted = wanted.union(*map(script_texts, sources(".js")))
 wanted = wanted.union(*(html_texts(page) for page in sources(".html") if "<body" in page))
 wanted |= {lesson.texts["Title"] for lesson in LESSONS.values() if lesson.builds_scene}
@@ -83,10 +99,14 @@ wanted |= {kind.shows for kind in FIGURES.values()}
 wanted = wanted.union(*(lesson.options.get("axes", "").split("|") for lesson in LESSONS.values()))
 wanted -= {"", "x (m)", "y (m)"}
 # Texts that are looked up by a variable: other strings of the code, and names of columns and parameters.
-names = {name for quantity in QUANTITIES.values() for name in quantity.parameters}.union(*map(strings, trees))
+names = {name for quantity in QUANTITIES.values() for name in quantity.parameters}.union(
+    *map(strings, trees)
+)
 others = names | {name.replace("_", mark) for name in names for mark in " -"}
 templates = [*sources(".j2"), *sources(".js")]
-others = others.union(*(re.findall('"([^"\n]*)"', source.replace(r"\\", "\\")) for source in templates))
+others = others.union(
+    *(re.findall('"([^"\n]*)"', source.replace(r"\\", "\\")) for source in templates)
+)
 report("text", wanted | (others & set(texts("zh"))), texts("zh"))
 
 report("texts of lesson", LESSONS, _chinese())

@@ -110,7 +110,9 @@ def status(arguments: list[str] | None = None) -> int:
     except click.ClickException as error:
         return _print_error(error.format_message(), _BAD_INPUT)
     except (errors.DragonError, KeyboardInterrupt) as error:
-        return _print_error(str(error), _BAD_INPUT if isinstance(error, _INPUT_ERRORS) else _FAILED, error)
+        return _print_error(
+            str(error), _BAD_INPUT if isinstance(error, _INPUT_ERRORS) else _FAILED, error
+        )
     except BrokenPipeError:
         # The reader of stdout has closed it, as `head` does.
         return _drop_output()

@@ -50,7 +50,9 @@ def contact(method: str, output: str | None, **choices: Any) -> None:
     print_result(result, shown)
 
 
-def _searched(march: March, method: str, *, start: float, **settings: Any) -> tuple[dict[str, Any], str]:
+def _searched(
+    march: March, method: str, *, start: float, **settings: Any
+) -> tuple[dict[str, Any], str]:
     """Values and text of the result of the exact search or the grid."""
     search = first_contact if method == "exact" else scan
     with progress("contact", start) as show:
@@ -63,7 +65,10 @@ def _simulated(march: March, method: str, **interval: Any) -> tuple[dict[str, An
     from pymunk_dragon.cli.simulate import simulate_with_progress
 
     run = simulate_with_progress(march, **interval)
-    touch = {name: getattr(run.first_contact, name, None) for name in ("time", "benches", "point", "normal")}
+    touch = {
+        name: getattr(run.first_contact, name, None)
+        for name in ("time", "benches", "point", "normal")
+    }
     values = {
         "status": run.outcome,
         **touch,
@@ -79,5 +84,7 @@ def _write_sheet(path: Path, march: March, result: dict[str, Any]) -> None:
     from pymunk_dragon.reports import write_contact_table
 
     if result["time"] is None:
-        raise DragonError(f"no contact until t = {result['until']:.6g} s, so {path} was not written")
+        raise DragonError(
+            f"no contact until t = {result['until']:.6g} s, so {path} was not written"
+        )
     write_contact_table(march, result["time"], path)

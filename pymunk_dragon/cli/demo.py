@@ -10,7 +10,13 @@ from pymunk_dragon._extras import library
 from pymunk_dragon._files import check_destination
 from pymunk_dragon._language import language
 from pymunk_dragon.cli.options import address_options, command, flags_given, output_option
-from pymunk_dragon.cli.output import print_file_result, print_list, print_result, progress, wants_json
+from pymunk_dragon.cli.output import (
+    print_file_result,
+    print_list,
+    print_result,
+    progress,
+    wants_json,
+)
 from pymunk_dragon.lessons import LESSONS, Lesson, play, write_lessons
 from pymunk_dragon.lessons._framework.page import endings, run_page
 from pymunk_dragon.lessons._framework.recording import record
@@ -18,11 +24,19 @@ from pymunk_dragon.lessons._framework.recording import record
 
 @command("", "spiral", "chain --lang zh", "-o lessons.html", "--live")
 @click.argument("name", metavar="[LESSON]", required=False, type=click.Choice(list(LESSONS)))
-@click.option("--save", metavar="DIR", type=click.Path(), help="Folder for the picture.  [a temporary one]")
-@click.option("--live", is_flag=True, help="Show the lessons on a page whose experiments with Pymunk are live.")
+@click.option(
+    "--save", metavar="DIR", type=click.Path(), help="Folder for the picture.  [a temporary one]"
+)
+@click.option(
+    "--live",
+    is_flag=True,
+    help="Show the lessons on a page whose experiments with Pymunk are live.",
+)
 @address_options
 @output_option(".html, a page of the lesson, or of all; .ipynb, its notebook; .py, its program")
-def demo(name: str | None, save: str | None, output: str | None, live: bool, **address: Any) -> None:
+def demo(
+    name: str | None, save: str | None, output: str | None, live: bool, **address: Any
+) -> None:
     """Play a lesson.
 
     Without a name, list them. Each has a question, a guess, an experiment, the answer and a number to check.
@@ -47,7 +61,9 @@ def demo(name: str | None, save: str | None, output: str | None, live: bool, **a
 def _refuse_combinations(name: str | None, flags: set[str]) -> None:
     """Raise a usage error for flags that exclude each other, or are for another way to play."""
     if "--save" in flags and (name is None or flags & {"-o", "--live", "--json"}):
-        raise click.UsageError("--save is for a lesson that is played: give its name, and no -o, --live or --json")
+        raise click.UsageError(
+            "--save is for a lesson that is played: give its name, and no -o, --live or --json"
+        )
     if flags >= {"-o", "--live"} or ("--live" not in flags and flags - {"-o", "--save", "--json"}):
         raise click.UsageError("--live needs no -o, and the options of a server need --live")
 
@@ -64,6 +80,8 @@ def _serve(lessons: list[Lesson], address: dict[str, Any]) -> None:
     for each in [each for each in lessons if each.builds_scene]:
         add(**each.scene())
     session = Session(
-        named_scene(next((each.options["scene"] for each in lessons if "scene" in each.options), "dragon"))
+        named_scene(
+            next((each.options["scene"] for each in lessons if "scene" in each.options), "dragon")
+        )
     )
     serve(session, None, None, front=page, **address)

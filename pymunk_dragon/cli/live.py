@@ -32,14 +32,30 @@ from pymunk_dragon.sessions.session import Session
 @scenario_options
 @start_option
 @click.option("--replay", metavar="FILE", type=click.Path(), help="Play a recording again, .json.")
-@click.option("--exit", "ends", is_flag=True, help="Play the recording without a page, as fast as possible, and exit.")
-@click.option("-o", "--record", "output", metavar="FILE", type=click.Path(), help="File .json for the inputs.")
+@click.option(
+    "--exit",
+    "ends",
+    is_flag=True,
+    help="Play the recording without a page, as fast as possible, and exit.",
+)
+@click.option(
+    "-o", "--record", "output", metavar="FILE", type=click.Path(), help="File .json for the inputs."
+)
 @address_options
-def live(scene: str | None, start: float, replay: str | None, ends: bool, output: str | None, **address: Any) -> None:
+def live(
+    scene: str | None,
+    start: float,
+    replay: str | None,
+    ends: bool,
+    output: str | None,
+    **address: Any,
+) -> None:
     """Play the dragon in real time, and touch it in a browser. A scene has its own dragon."""
     own = flags_given("scenario", *option_values(), "start")
     if sum(map(bool, (scene, own, replay))) > 1:
-        raise click.UsageError("a built-in scene and a recording have their own dragon: leave out the other options")
+        raise click.UsageError(
+            "a built-in scene and a recording have their own dragon: leave out the other options"
+        )
     if ends and replay is None:
         raise click.UsageError("--exit ends a replay: give a recording with --replay")
     if not ends:
@@ -59,7 +75,10 @@ def serve(session: Session, log: Log | None, path: Path | None, **address: Any) 
     running = Live(session, **address)
     try:
         if address["host"] not in ("127.0.0.1", "localhost", "::1"):
-            click.echo(text("Anybody who can reach this address and knows it can control the session:"), err=True)
+            click.echo(
+                text("Anybody who can reach this address and knows it can control the session:"),
+                err=True,
+            )
         click.echo(text("control: {address}").format(address=running.address))
         click.echo(text("watch:   {address}").format(address=running.watch_address))
         _wait_for_replay(session, log)

@@ -62,7 +62,9 @@ class _Command(click.Command):
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command; it does not get the values of --json and --scenario, which `wants_json` and others use."""
-        ctx.meta["json"], ctx.meta["file"] = (ctx.params.pop(name, None) for name in ("json", "scenario"))
+        ctx.meta["json"], ctx.meta["file"] = (
+            ctx.params.pop(name, None) for name in ("json", "scenario")
+        )
         try:
             return super().invoke(ctx)
         except ParameterError as error:
@@ -79,14 +81,20 @@ def command(*examples: str) -> Callable[[Callable[..., Any]], click.Command]:
 
 def epilog_of(examples: Sequence[str]) -> str:
     """The end of a help: examples, each a command with its arguments."""
-    return "\n".join(["\b", "Examples:", *(f"  {PROGRAM} {example}".rstrip() for example in examples)])
+    return "\n".join(
+        ["\b", "Examples:", *(f"  {PROGRAM} {example}".rstrip() for example in examples)]
+    )
 
 
 def flags_given(*names: str) -> list[str]:
     """Flags of those of the options `names` that were given on the command line."""
     context, given = click.get_current_context(), click.core.ParameterSource.COMMANDLINE
     options = [option for option in context.command.params if option.name in names]
-    return [option.opts[0] for option in options if context.get_parameter_source(str(option.name)) is given]
+    return [
+        option.opts[0]
+        for option in options
+        if context.get_parameter_source(str(option.name)) is given
+    ]
 
 
 def _source_of(error: ParameterError) -> str:
@@ -137,7 +145,9 @@ address_options = option_group(
         metavar="NAME",
         help="Name of a proxy; repeatable.",
     ),
-    click.option("--no-browser", "browser", flag_value=False, default=True, help="Do not open a browser."),
+    click.option(
+        "--no-browser", "browser", flag_value=False, default=True, help="Do not open a browser."
+    ),
 )
 
 
@@ -161,8 +171,12 @@ _LANGUAGE = click.Option(
     help="Language of results: en or zh.  [PYMUNK_DRAGON_LANG of the environment, or en]",
 )
 json_option = click.option("--json", is_flag=True, help="Print one JSON object and nothing else.")
-start_option = click.option("--from", "start", type=float, default=0.0, metavar="T", help="First time, s.  [0]")
-until_option = click.option("--until", type=float, metavar="T", help="Last time, s.  [the end of the curve]")
+start_option = click.option(
+    "--from", "start", type=float, default=0.0, metavar="T", help="First time, s.  [0]"
+)
+until_option = click.option(
+    "--until", type=float, metavar="T", help="Last time, s.  [the end of the curve]"
+)
 
 
 def output_option(endings: str, default: str | None = None) -> Callable[[F], F]:
@@ -181,7 +195,9 @@ def scenario_options(function: F) -> F:
 
     hidden: dict[str, Any] = {"callback": collect, "expose_value": False}
     for name, (kind, metavar, about) in reversed((SCENARIO_OPTIONS | _curve_options()).items()):
-        click.option("--" + name.replace("_", "-"), type=kind, metavar=metavar, help=about, **hidden)(function)
+        click.option(
+            "--" + name.replace("_", "-"), type=kind, metavar=metavar, help=about, **hidden
+        )(function)
     about = "Read the dragon, curve and speed from a file; options win."
     return click.option("--scenario", metavar="FILE.toml", type=click.Path(), help=about)(function)
 
@@ -227,7 +243,9 @@ def load_run(run_file: str) -> Run:
     from pymunk_dragon.model.run import Run
 
     if option_values() or flags_given("scenario"):
-        raise click.UsageError("a run file contains its scenario: leave out the options of the dragon and its curve")
+        raise click.UsageError(
+            "a run file contains its scenario: leave out the options of the dragon and its curve"
+        )
     return Run.load(run_file)
 
 

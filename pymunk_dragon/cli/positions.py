@@ -50,7 +50,9 @@ def positions(times: str, handles: str | None, paper: bool, output: str | None) 
     if not paper:
         _answer(march, times, handles, output)
     elif flags_given("times", "handles", "json", "output"):
-        raise click.UsageError("--paper prints all of its tables: leave out --times, --handles, --json and -o")
+        raise click.UsageError(
+            "--paper prints all of its tables: leave out --times, --handles, --json and -o"
+        )
     else:
         from pymunk_dragon.collision import first_contact
         from pymunk_dragon.reports import paper_tables
@@ -62,13 +64,21 @@ def positions(times: str, handles: str | None, paper: bool, output: str | None) 
 
 def _answer(march: March, times: str, handles: str | None, output: str | None) -> None:
     """Print or write states of handles."""
-    selected = march.dragon.representatives if handles is None else _handles(handles, march.dragon.handles - 1)
+    selected = (
+        march.dragon.representatives
+        if handles is None
+        else _handles(handles, march.dragon.handles - 1)
+    )
     at = number_list("times", times)
     if len(at) * march.dragon.handles > _MAX_TABLE:
-        raise ParameterError("times", times, f"at most {_MAX_TABLE // march.dragon.handles} for this dragon")
+        raise ParameterError(
+            "times", times, f"at most {_MAX_TABLE // march.dragon.handles} for this dragon"
+        )
     path = destination_of(output, (".csv", ".json", ".xlsx"))
     if handles is not None and path is not None and path.suffix.lower() == ".xlsx":
-        raise click.UsageError("the contest's sheets have all handles: leave out --handles, or write .csv or .json")
+        raise click.UsageError(
+            "the contest's sheets have all handles: leave out --handles, or write .csv or .json"
+        )
     states = march.at(at)
     result = states.to_dict(selected)
     write_result(path, result, lambda path: _write(path, march, at, states.rows(selected)))

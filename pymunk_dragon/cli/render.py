@@ -39,7 +39,9 @@ def _pixels(given: str) -> int | tuple[int, ...]:
     try:
         width, *height = map(int, given.lower().split("x"))
     except ValueError:
-        raise click.BadParameter(f"{given!r} is neither a size as 640x360 nor a width as 480") from None
+        raise click.BadParameter(
+            f"{given!r} is neither a size as 640x360 nor a width as 480"
+        ) from None
     return (width, *height) if height else width
 
 
@@ -47,18 +49,47 @@ def _pixels(given: str) -> int | tuple[int, ...]:
 @click.argument("run_files", metavar="[RUN.npz]...", nargs=-1, type=click.Path())
 @scenario_options
 @click.option("--exact", is_flag=True, help="Show the exact model beside the run.")
-@click.option("--from", "start", type=float, metavar="T", help="First time, s.  [such that a film takes 11 s]")
-@click.option("--until", type=float, metavar="T", help="Last time, s.  [the run's, or a march's first contact]")
-@click.option("--speedup", type=float, metavar="X", help="Simulated s in 1 s of film.  [slower towards contacts]")
-@click.option("--fps", type=int, metavar="N", help="Frames in a second, at most 60, and 50 in a GIF.  [20]")
-@click.option("--size", type=_pixels, metavar="PIXELS", help="Width and height: 440, or 640x360; even in .mp4.  [440]")
-@click.option("--camera", "follow", type=click.Choice(["field", "head"]), default="field", help="The view.  [field]")
+@click.option(
+    "--from", "start", type=float, metavar="T", help="First time, s.  [such that a film takes 11 s]"
+)
+@click.option(
+    "--until",
+    type=float,
+    metavar="T",
+    help="Last time, s.  [the run's, or a march's first contact]",
+)
+@click.option(
+    "--speedup",
+    type=float,
+    metavar="X",
+    help="Simulated s in 1 s of film.  [slower towards contacts]",
+)
+@click.option(
+    "--fps", type=int, metavar="N", help="Frames in a second, at most 60, and 50 in a GIF.  [20]"
+)
+@click.option(
+    "--size",
+    type=_pixels,
+    metavar="PIXELS",
+    help="Width and height: 440, or 640x360; even in .mp4.  [440]",
+)
+@click.option(
+    "--camera",
+    "follow",
+    type=click.Choice(["field", "head"]),
+    default="field",
+    help="The view.  [field]",
+)
 @click.option("--span", type=float, metavar="M", help="Width of the ground in view, m.")
 @click.option("--hold", type=float, metavar="T", help="How long the last frame stays, s.  [2.5]")
-@option_group(*(click.option(f"--{name}", is_flag=True, help=each.shows) for name, each in OVERLAYS.items()))
+@option_group(
+    *(click.option(f"--{name}", is_flag=True, help=each.shows) for name, each in OVERLAYS.items())
+)
 @click.option("--title", metavar="TEXT", help="A line above the picture.")
 @click.option("--caption", metavar="TEXT", help="Lines below the picture.")
-@click.option("--legend/--no-legend", default=None, help="Legend and scale bar below the picture.  [shown]")
+@click.option(
+    "--legend/--no-legend", default=None, help="Legend and scale bar below the picture.  [shown]"
+)
 @output_option(_FORMATS, "RUN.gif")
 def render(run_files: tuple[str, ...], output: str | None, exact: bool, **choices: Any) -> None:
     """Film a run, several side by side, or an exact march.
@@ -66,7 +97,9 @@ def render(run_files: tuple[str, ...], output: str | None, exact: bool, **choice
     Without a run, the exact march of the options is filmed. The ending of the file chooses the format.
     """
     name = Path(run_files[0]).stem if run_files else "march"
-    path = check_destination(output or f"{name}.gif", (*FILM_ENDINGS, *STILL_ENDINGS, *PLAYER_ENDINGS))
+    path = check_destination(
+        output or f"{name}.gif", (*FILM_ENDINGS, *STILL_ENDINGS, *PLAYER_ENDINGS)
+    )
     sources = _sources(run_files, exact)
     if path.suffix.lower() in PLAYER_ENDINGS:
         _write_page(sources, path, choices["title"])
@@ -92,7 +125,9 @@ def _write_film(sources: list[Run | March], path: Path, choices: dict[str, Any])
             raise
     if timing.is_cropped and timing.size is not None:
         width, height = timing.size
-        size = text("{path} has {width} x {height} pixels, as the width and height of an MP4 are even")
+        size = text(
+            "{path} has {width} x {height} pixels, as the width and height of an MP4 are even"
+        )
         click.echo(size.format(path=path, width=width, height=height), err=True)
 
 

@@ -29,7 +29,9 @@ _GUIDE = f"The guide, which keeps the benches on the path: {', '.join(physics.GU
 @scenario_options
 @start_option
 @until_option
-@click.option("--guide", type=click.Choice(list(physics.GUIDES)), default="rails", metavar="NAME", help=_GUIDE)
+@click.option(
+    "--guide", type=click.Choice(list(physics.GUIDES)), default="rails", metavar="NAME", help=_GUIDE
+)
 @click.option("--contacts", type=click.Choice(_CONTACTS), default="stop", help=_RESPONSE)
 @click.option(
     "--head-force",

@@ -43,7 +43,9 @@ def _options() -> Iterator[Callable[[F], F]]:
 @click.argument("name", metavar="[STUDY]", required=False, type=click.Choice(list(STUDIES)))
 @scenario_options
 @option_group(*_options())
-@output_option(".json, .png, .svg or .pdf for a picture of the answer, or .xlsx for sheets of the contest")
+@output_option(
+    ".json, .png, .svg or .pdf for a picture of the answer, or .xlsx for sheets of the contest"
+)
 def study(name: str | None, output: str | None, **options: float | bool | None) -> None:
     """Run a study of many marches.
 

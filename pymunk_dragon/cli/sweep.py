@@ -24,7 +24,9 @@ from pymunk_dragon.cli.output import print_result, print_written, progress
 from pymunk_dragon.errors import DragonError, ParameterError
 
 _AXIS = "NAME=VALUES, such as pitch=0.4:0.8:0.01 or benches=50,100"
-_QUANTITY = f"{', '.join(sweeps.QUANTITIES)}, or module:function, a function of a march.  [contact-time]"
+_QUANTITY = (
+    f"{', '.join(sweeps.QUANTITIES)}, or module:function, a function of a march.  [contact-time]"
+)
 _OUTPUT = "File to write: .csv, or .png, .svg or .pdf for a picture. May be repeated."
 
 
@@ -33,7 +35,9 @@ _OUTPUT = "File to write: .csv, or .png, .svg or .pdf for a picture. May be repe
     "--axis pitch=0.5:0.6:0.005 -o pitch.csv -o pitch.png",
 )
 @scenario_options
-@click.option("--axis", multiple=True, required=True, metavar="NAME=VALUES", help=f"{_AXIS}; repeatable.")
+@click.option(
+    "--axis", multiple=True, required=True, metavar="NAME=VALUES", help=f"{_AXIS}; repeatable."
+)
 @click.option("--quantity", metavar="NAME", default="contact-time", help=_QUANTITY)
 @click.option(
     "--resume",
@@ -62,7 +66,9 @@ def sweep(axis: tuple[str, ...], output: tuple[str, ...], **settings: Any) -> No
         print_written(Path(file))
     print_result(found.to_dict(), found if output else "\n".join(found.csv()))
     if found.failed:
-        raise DragonError(f"{found.failed} of {found.points} points failed; the column error has the reasons")
+        raise DragonError(
+            f"{found.failed} of {found.points} points failed; the column error has the reasons"
+        )
 
 
 def _axes(given: tuple[str, ...]) -> dict[str, list[float]]:

@@ -84,7 +84,11 @@ class Intervals(NamedTuple):
         shape = len(chosen), new.size, handles
         motion = march.motion(times[:, new], handles).each(lambda part: part.reshape(shape))
         handles_s = np.empty((*times.shape, handles))
-        for k, states in ((0, self.first_s), (parts, self.middle.handles_s), (2 * parts, self.last_s)):
+        for k, states in (
+            (0, self.first_s),
+            (parts, self.middle.handles_s),
+            (2 * parts, self.last_s),
+        ):
             handles_s[:, k] = states[chosen, :handles]
         handles_s[:, new] = motion.handles_s
         first, last = (handles_s[:, k : k + 2 * parts : 2].reshape(-1, handles) for k in (0, 2))
@@ -111,7 +115,12 @@ class MotionBounds:
         # Angular rates (T, N) at the midpoint, rad/m.
         self._omega = chain.angular_rates(self._front_angles, self._rear_angles, self._spacings)
         # Coordinates near zero are differences of larger ones: the head's at the start, and the distance travelled.
-        coordinates = intervals.first_s[:, [0, -1]], march.head_start, self._points, (0.0, *march.curve.inner_ends)
+        coordinates = (
+            intervals.first_s[:, [0, -1]],
+            march.head_start,
+            self._points,
+            (0.0, *march.curve.inner_ends),
+        )
         largest = max(float(np.abs(part).max()) for part in coordinates)
         squares = np.abs(self._points[:, :-1] - self._points[:, 1:]) ** 2
         residual = float(np.max(np.abs(squares - self._spacings**2) / (2 * self._spacings)))
@@ -120,15 +129,21 @@ class MotionBounds:
         self._arms = np.abs(self._corner_points[0] - self._points[0, :-1, None])
         self._lows, highs = march.continuation.ranges(intervals.first_s, intervals.last_s)
         # Rounding may put the midpoint outside its range.
-        self.travel = np.maximum(np.maximum(middle.handles_s - self._lows, highs - middle.handles_s), 0)
-        self._curvature = march.curve.max_curvature(self._lows[:, 1:] - errors[:, 1:], highs[:, :-1] + errors[:, :-1])
+        self.travel = np.maximum(
+            np.maximum(middle.handles_s - self._lows, highs - middle.handles_s), 0
+        )
+        self._curvature = march.curve.max_curvature(
+            self._lows[:, 1:] - errors[:, 1:], highs[:, :-1] + errors[:, :-1]
+        )
         worst = errors.max(axis=1)
         change = 1.5 * (2 / self._spacings.min() + self._curvature.max(axis=1)) * worst
         # m of a corner's displacement for each m of the displacement of both handles.
         self._leverage = 1 + 2 * float(np.max(self._arms / self._spacings[:, None]))
         self.proven = change <= _SLACK
         self.rounding = np.where(self.proven, 6 * self._leverage * worst, UNPROVEN_ROUNDING)
-        self._known, self._rates = self._bounds(middle.handles_s, self.travel[:, :-1] + 2 * errors[:, :-1])
+        self._known, self._rates = self._bounds(
+            middle.handles_s, self.travel[:, :-1] + 2 * errors[:, :-1]
+        )
 
     def _errors(self, residual: float) -> Array:
         """Bounds (T, H) on the errors of the coordinates, m, if the benches' equations have this residual, m."""
@@ -156,7 +171,9 @@ class MotionBounds:
         rates = chain.rate_bounds((sine, sine), 1 / cosine, cosine, curvature, spacing)
         if shallow.all():
             return shallow, rates
-        known, followed = _followed_rates(self._front_angles, self._rear_angles, travel, curvature, spacing)
+        known, followed = _followed_rates(
+            self._front_angles, self._rear_angles, travel, curvature, spacing
+        )
         merged = (np.where(shallow, *both) for both in zip(rates, followed, strict=True))
         return shallow | known, RateBounds(*merged)
 
@@ -172,10 +189,14 @@ class MotionBounds:
         """
         farthest = []
         with np.errstate(over="ignore", invalid="ignore"):
-            for benches, outward in zip(pairs.T, (as_complex(normals), -as_complex(normals)), strict=True):
+            for benches, outward in zip(
+                pairs.T, (as_complex(normals), -as_complex(normals)), strict=True
+            ):
                 heights, speeds, _, second = self._corners(rows, benches, outward)
                 travel = self.travel[rows, benches][:, None]
-                farthest.append(np.max(heights + (np.abs(speeds) * travel + second * travel**2 / 2), axis=1))
+                farthest.append(
+                    np.max(heights + (np.abs(speeds) * travel + second * travel**2 / 2), axis=1)
+                )
         known = self._known[rows[:, None], pairs].all(axis=1)
         return np.where(known, -farthest[1] - farthest[0] - self.rounding[rows], -np.inf)
 
@@ -187,7 +208,9 @@ class MotionBounds:
         """
         first, second = pairs.T
         directions = as_complex(normals)
-        swapped = self._squareness(rows, second, directions) > self._squareness(rows, first, directions)
+        swapped = self._squareness(rows, second, directions) > self._squareness(
+            rows, first, directions
+        )
         own, other = np.where(swapped, second, first), np.where(swapped, first, second)
         directions = np.where(swapped, -directions, directions)
         travel = self.travel[rows, first][:, None]
@@ -196,7 +219,10 @@ class MotionBounds:
             # All derivatives are by the coordinate of the first bench's front handle, which drives both.
             ratio, most, change = self._velocity_ratios(rows, first, own)
             other_ratio, other_most, other_change = self._velocity_ratios(rows, first, other)
-            omega, omega_change = self._rates.omega[rows, own][:, None], self._rates.omega_change[rows, own][:, None]
+            omega, omega_change = (
+                self._rates.omega[rows, own][:, None],
+                self._rates.omega_change[rows, own][:, None],
+            )
             facing = directions.conj()[:, None]
             arms = self._corner_points[rows, other] - self._points[rows, own][:, None]
             ahead = (self._tangents[rows, own][:, None] * facing).real
@@ -204,10 +230,18 @@ class MotionBounds:
             speeds = other_ratio * speeds + ratio * (aside - ahead)
             second = other_most**2 * second + other_change * fastest
             fastest = other_most * fastest + most
-            second += most**2 * self._curvature[rows, own][:, None] + change + 2 * omega * most * fastest
-            second += (most**2 * (omega_change + omega**2) + change * omega) * (np.abs(arms) + travel * fastest)
-            gaps = heights - (self._corner_points[rows, own] * facing).real.max(axis=1, keepdims=True)
-            gaps = (gaps - np.abs(speeds) * travel - second * travel**2 / 2).min(axis=1) - self.rounding[rows]
+            second += (
+                most**2 * self._curvature[rows, own][:, None] + change + 2 * omega * most * fastest
+            )
+            second += (most**2 * (omega_change + omega**2) + change * omega) * (
+                np.abs(arms) + travel * fastest
+            )
+            gaps = heights - (self._corner_points[rows, own] * facing).real.max(
+                axis=1, keepdims=True
+            )
+            gaps = (gaps - np.abs(speeds) * travel - second * travel**2 / 2).min(
+                axis=1
+            ) - self.rounding[rows]
         known = self._known[rows[:, None], pairs].all(axis=1)
         # Velocity ratios over thousands of benches may overflow, and one between may be unknown.
         return np.where(known & np.isfinite(gaps), gaps, -np.inf)
@@ -224,7 +258,9 @@ class MotionBounds:
         square: Array = ((along * directions.conj()).real / self._spacings[benches]) ** 2
         return np.maximum(square, 1 - square)
 
-    def _velocity_ratios(self, rows: Indices, first: Indices, benches: Indices) -> tuple[Array, Array, Array]:
+    def _velocity_ratios(
+        self, rows: Indices, first: Indices, benches: Indices
+    ) -> tuple[Array, Array, Array]:
         """Velocity ratio of the front handles of `benches` to those of `first`: value, bound, bound on its derivative.
 
         Each (P, 1); the value at the midpoint, the derivative in 1/m.
@@ -240,10 +276,14 @@ class MotionBounds:
         """Bounds (T, H) on the velocity ratios, and the sums of the relative bounds on their derivatives, 1/m."""
         most = chain.velocity_ratios(self._rates.ratio, np.ones(1))
         change = np.zeros(most.shape)
-        np.cumsum(self._rates.ratio_change * most[:, :-1] / self._rates.ratio, axis=1, out=change[:, 1:])
+        np.cumsum(
+            self._rates.ratio_change * most[:, :-1] / self._rates.ratio, axis=1, out=change[:, 1:]
+        )
         return most, change
 
-    def _corners(self, rows: Indices, benches: Indices, directions: Complex) -> tuple[Array, Array, Array, Array]:
+    def _corners(
+        self, rows: Indices, benches: Indices, directions: Complex
+    ) -> tuple[Array, Array, Array, Array]:
         """Projections of the corners of `benches` (P,) on `directions` (P,), by the coordinate s of the front handle.
 
         At the midpoint the projections, m, and their derivatives; in the whole interval bounds on the derivative in any
@@ -253,7 +293,9 @@ class MotionBounds:
         front = self._points[rows, benches][:, None]
         # Ahead and to the left, seen along the direction.
         arms = (self._corner_points[rows, benches] - front) * facing
-        omega, omega_change = (rate[rows, benches][:, None] for rate in (self._rates.omega, self._rates.omega_change))
+        omega, omega_change = (
+            rate[rows, benches][:, None] for rate in (self._rates.omega, self._rates.omega_change)
+        )
         lengths = self._arms[benches]
         heights = (front * facing).real + arms.real
         # Rotation moves a corner by omega J arm, whose projection on n is -omega (J n) arm.
@@ -275,7 +317,9 @@ class MotionBounds:
         tested: Flags = np.ones(radii.shape, dtype=bool)
         tested[:, 2:] = self._lows[:, 2:-1] - margin < start_s[1 : tested.shape[1] - 1] + margin
         many = np.asarray(tested[:, 2:].any(axis=1))
-        within: Flags = np.abs(middles[:, :2, None] - middles[:, None]) <= radii[:, :2, None] + radii[:, None]
+        within: Flags = (
+            np.abs(middles[:, :2, None] - middles[:, None]) <= radii[:, :2, None] + radii[:, None]
+        )
         rows, first, second = np.nonzero(within & ~many[:, None, None])
         apart = second - first >= 2
         found = [(rows[apart], np.stack([first, second], axis=-1)[apart])]
@@ -283,7 +327,9 @@ class MotionBounds:
             pairs = near_pairs(middles[row], radii[row])
             pairs = pairs[tested[row, pairs[:, 0]]]
             found.append((np.full(len(pairs), row), pairs))
-        return np.concatenate([rows for rows, _ in found]), np.concatenate([pairs for _, pairs in found])
+        return np.concatenate([rows for rows, _ in found]), np.concatenate(
+            [pairs for _, pairs in found]
+        )
 
 
 def near_pairs(centres: Complex, radii: Array) -> Indices:
@@ -312,9 +358,16 @@ def _followed_rates(
     front, rear = np.abs(np.angle(front_turn)), np.abs(np.angle(rear_turn))
     front = np.minimum(front, np.pi - front)
     ratio = np.cos(front) / np.cos(rear)
-    slack = 2 * travel * (curvature * np.maximum(1, ratio) + (np.sin(front) + ratio * np.sin(rear)) / spacing)
+    slack = (
+        2
+        * travel
+        * (curvature * np.maximum(1, ratio) + (np.sin(front) + ratio * np.sin(rear)) / spacing)
+    )
     slack = np.minimum(slack, np.pi)
-    widest_front, widest_rear = np.minimum(front + slack, np.pi / 2), np.minimum(rear + slack, np.pi / 2)
+    widest_front, widest_rear = (
+        np.minimum(front + slack, np.pi / 2),
+        np.minimum(rear + slack, np.pi / 2),
+    )
     cosine = np.cos(widest_rear)
     ratio = np.cos(np.maximum(front - slack, 0)) / cosine
     known = rear + slack < np.pi / 2

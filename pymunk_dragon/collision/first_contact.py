@@ -138,7 +138,12 @@ class _Search:
     """The search on a march at 1 m/s; its times are the head's distance from its position at t = 0, m."""
 
     def __init__(self, march: March, start: float, until: float) -> None:
-        self._march, self._start, self._until, self._end = march, start, until, min(until, march.end)
+        self._march, self._start, self._until, self._end = (
+            march,
+            start,
+            until,
+            min(until, march.end),
+        )
         self._near = _NEAR_MISS * float(march.dragon.widths.min())
         self._near_miss_interval = _NEAR_MISS_INTERVAL * float(march.dragon.widths.min())
         self._hit, self._pair = np.inf, (0, 0)
@@ -174,7 +179,9 @@ class _Search:
 
     def _result(self, status: Status, time: float, pair: tuple[int, int] | None) -> FirstContact:
         """Result with the figures of the search so far."""
-        misses = _near_misses(self._march, np.concatenate(self._small_gaps), self._start, time, self._near)
+        misses = _near_misses(
+            self._march, np.concatenate(self._small_gaps), self._start, time, self._near
+        )
         figures = {"samples": self._samples, "tests": self._tests, "resolution": self._resolution}
         return result_at(self._march, status, time, pair, near_misses=misses, **figures)
 
@@ -185,19 +192,29 @@ class _Search:
         # 5 % more than a spacing, and 5 % more until the condition holds.
         wait = 1.05 * float(self._march.dragon.spacings[-1])
         while self._start + wait < self._end:
-            if np.all(self._march.motion_or_nan(self._start + wait).handles_s[0, 2:-1] >= self._start_s[1:-2]):
+            if np.all(
+                self._march.motion_or_nan(self._start + wait).handles_s[0, 2:-1]
+                >= self._start_s[1:-2]
+            ):
                 return self._start + wait
             wait *= 1.05
         return self._end
 
     def _batches(self) -> Iterator[Array]:
         """Bounds of consecutive intervals, one array for each batch; shorter intervals during the warm-up."""
-        ends, shortest = (self._start, self._warm_up_end, self._end), self._march.dragon.spacings.min()
-        for begin, last, length in zip(ends, ends[1:], (_ALL_PAIRS_INTERVAL, _INTERVAL), strict=False):
+        ends, shortest = (
+            (self._start, self._warm_up_end, self._end),
+            self._march.dragon.spacings.min(),
+        )
+        for begin, last, length in zip(
+            ends, ends[1:], (_ALL_PAIRS_INTERVAL, _INTERVAL), strict=False
+        ):
             count = int(np.ceil((last - begin) / (length * shortest)))
             done = 0
             while done < count:
-                batch = min(max((count - done) // 2, _FEWEST_INTERVALS), _MOST_INTERVALS, count - done)
+                batch = min(
+                    max((count - done) // 2, _FEWEST_INTERVALS), _MOST_INTERVALS, count - done
+                )
                 shares = np.arange(done, done + batch + 1) / count
                 done += batch
                 # Exact at both ends.
@@ -211,14 +228,23 @@ class _Search:
         if not intervals.begins.size:
             return last
         bounds = MotionBounds(march, intervals)
-        rows, pairs = bounds.candidates(self._near, np.where(self._one_function, self._start_s, np.inf))
+        rows, pairs = bounds.candidates(
+            self._near, np.where(self._one_function, self._start_s, np.inf)
+        )
         # Intervals that are cleared without a proof for rounding count in the resolution.
         self._resolution = max(self._resolution, UNPROVEN_ROUNDING * (not bounds.proven.all()))
         share = max(float(times[-1] - times[0]) / (self._end - self._start), _MIN_SHARE)
         self._divide(intervals, bounds, rows, pairs, share * _WORK_LIMIT)
         return last
 
-    def _divide(self, intervals: Intervals, bounds: MotionBounds, rows: Indices, pairs: Indices, budget: float) -> None:
+    def _divide(
+        self,
+        intervals: Intervals,
+        bounds: MotionBounds,
+        rows: Indices,
+        pairs: Indices,
+        budget: float,
+    ) -> None:
         """Clear `pairs` (P, 2) in the intervals `rows` (P,) and in parts of these, or find their first contact."""
         sampled, limit = np.zeros(rows.size, dtype=bool), 0.0
         while rows.size:
@@ -233,7 +259,9 @@ class _Search:
                 # independently is faster, and the bound for their relative motion clears some of the rest.
                 gaps = bounds.smallest_gaps(rows, pairs, found.normal)
                 rest = ~(gaps > self._near)
-                gaps[rest] = bounds.smallest_gaps_together(rows[rest], pairs[rest], found.normal[rest])
+                gaps[rest] = bounds.smallest_gaps_together(
+                    rows[rest], pairs[rest], found.normal[rest]
+                )
                 open_ = gaps > self._near
             else:
                 # A short interval: the bound by relative motion needs the proof for rounding, the bound by travel not.
@@ -245,18 +273,26 @@ class _Search:
                 sampled |= fresh
                 fresh &= (gaps <= self._near) & (pairs[:, 0] <= 1 if self._one_function else True)
                 lengths = np.full(rows.size, length)
-                small = np.column_stack([pairs, middles, lengths, found.distance, bounds.rounding[rows]])
+                small = np.column_stack(
+                    [pairs, middles, lengths, found.distance, bounds.rounding[rows]]
+                )
                 self._small_gaps.append(small[fresh])
                 # The tolerance grows once the work exceeds its budget.
                 work = samples * (int(pairs.max()) + 2) + _PAIR_WORK * rows.size
                 limit = limit or max(budget, _WORK_GROWTH * work)
-                tolerance = _GAP_TOLERANCE if work <= limit else _LIMITED_TOLERANCE * (work / limit) ** 2
+                tolerance = (
+                    _GAP_TOLERANCE if work <= limit else _LIMITED_TOLERANCE * (work / limit) ** 2
+                )
                 # Gaps above zero are open, and those that may be below by the tolerance, except in the interval just
                 # before the earliest contact found. That one is divided to the resolution, where its midpoint decides.
-                within = (gaps > -(bounds.rounding[rows] + tolerance)) & (intervals.ends[rows] + length < self._hit)
+                within = (gaps > -(bounds.rounding[rows] + tolerance)) & (
+                    intervals.ends[rows] + length < self._hit
+                )
                 self._resolution = max(self._resolution, -float(gaps[within].min(initial=0.0)))
                 open_ = (gaps > 0) | within | (length <= _resolution(float(np.abs(middles).max())))
-            self._resolution = max(self._resolution, UNPROVEN_ROUNDING * (not bounds.proven[rows[open_]].all()))
+            self._resolution = max(
+                self._resolution, UNPROVEN_ROUNDING * (not bounds.proven[rows[open_]].all())
+            )
             left = ~open_ & (intervals.begins[rows] < self._hit)
             rows, pairs, sampled = rows[left], pairs[left], sampled[left]
             if rows.size:
@@ -279,7 +315,9 @@ class _Search:
             self._pair = int(pairs[earliest, 0]), int(pairs[earliest, 1])
 
 
-def result_at(march: March, status: Status, time: float, pair: tuple[int, int] | None, **rest: Any) -> FirstContact:
+def result_at(
+    march: March, status: Status, time: float, pair: tuple[int, int] | None, **rest: Any
+) -> FirstContact:
     """Result at `time`, with the contact point and the normal of the benches `pair` if there is one."""
     point = normal = None
     if pair is not None:
@@ -312,19 +350,28 @@ def _last_reachable(march: March, begin: float, later: float) -> float:
     return max(begin, reachable - _resolution(reachable))
 
 
-def _near_misses(march: March, samples: Array, start: float, end: float, near: float) -> tuple[NearMiss, ...]:
+def _near_misses(
+    march: March, samples: Array, start: float, end: float, near: float
+) -> tuple[NearMiss, ...]:
     """Local minima of gaps between `start` and `end` below `near` m, from the samples (K, 6) that `_Search` keeps."""
     samples = samples[samples[:, 2] <= end]
-    brackets = np.array(list(_brackets(samples[np.lexsort(samples.T[2::-1])].tolist()))).reshape(-1, 5)
+    brackets = np.array(list(_brackets(samples[np.lexsort(samples.T[2::-1])].tolist()))).reshape(
+        -1, 5
+    )
     if not brackets.size:
         return ()
     pairs, (low, high, rounding) = brackets[:, :2].astype(np.intp), brackets[:, 2:].T
     low, high = np.maximum(low, start), np.minimum(high, end)
     some = max(1, _MINIMUM_HANDLES // (_MINIMUM_POINTS * (int(pairs.max()) + 2)))
     parts = (slice(at, at + some) for at in range(0, len(pairs), some))
-    found = np.concatenate([_local_minima(march, pairs[part], low[part], high[part], rounding[part]) for part in parts])
+    found = np.concatenate(
+        [_local_minima(march, pairs[part], low[part], high[part], rounding[part]) for part in parts]
+    )
     found = found[(found[:, 3] > 0) & (found[:, 3] < near)]
-    return tuple(NearMiss(time=time, benches=(int(i), int(j)), gap=gap) for time, i, j, gap in sorted(found.tolist()))
+    return tuple(
+        NearMiss(time=time, benches=(int(i), int(j)), gap=gap)
+        for time, i, j, gap in sorted(found.tolist())
+    )
 
 
 def _brackets(samples: list[list[float]]) -> Iterator[tuple[float, float, float, float, float]]:
@@ -336,7 +383,9 @@ def _brackets(samples: list[list[float]]) -> Iterator[tuple[float, float, float,
     falls, low, lowest, highest = False, 0.0, 0.0, 0.0
     for sample in [*samples, before]:
         first, second, time, length, gap, rounding = sample
-        if (first, second) != tuple(before[:2]) or time - before[2] > _ADJACENT * (length + before[3]):
+        if (first, second) != tuple(before[:2]) or time - before[2] > _ADJACENT * (
+            length + before[3]
+        ):
             # Another pair begins, or other intervals: a gap that fell to the end of the last ones has a minimum.
             if falls:
                 yield before[0], before[1], low, before[2] + before[3] / 2, before[5]
@@ -363,9 +412,13 @@ def _local_minima(march: March, pairs: Indices, low: Array, high: Array, roundin
     """
     # No time is outside a bracket that is shorter than both margins: the chain may have no state there.
     margin = np.clip(_BRACKET_END_SHARE * (high - low), _BRACKET_END, (high - low) / 2)
-    times = np.column_stack([low, np.linspace(low + margin, high - margin, _MINIMUM_POINTS, axis=-1), high])
+    times = np.column_stack(
+        [low, np.linspace(low + margin, high - margin, _MINIMUM_POINTS, axis=-1), high]
+    )
     gaps = _gaps(march, pairs, times)
-    inside = (gaps[:, [0, -1]].min(axis=1) > gaps.min(axis=1) + rounding) & (high - low > 2 * margin)
+    inside = (gaps[:, [0, -1]].min(axis=1) > gaps.min(axis=1) + rounding) & (
+        high - low > 2 * margin
+    )
     pairs, times, gaps = pairs[inside], times[inside], gaps[inside]
     rows = np.arange(len(pairs))
     for _ in range(_MINIMUM_PASSES if rows.size else 0):
@@ -379,5 +432,7 @@ def _local_minima(march: March, pairs: Indices, low: Array, high: Array, roundin
 def _gaps(march: March, pairs: Indices, times: Array) -> Array:
     """Gaps (B, K) of `pairs` (B, 2) at `times` (B, K), m."""
     rows, (first, second) = np.arange(times.size), np.repeat(pairs, times.shape[1], axis=0).T
-    corners = as_vectors(march.dragon.outlines_between(march.motion(times, int(pairs.max()) + 2).points))
+    corners = as_vectors(
+        march.dragon.outlines_between(march.motion(times, int(pairs.max()) + 2).points)
+    )
     return separation(corners[rows, first], corners[rows, second]).distance.reshape(times.shape)

@@ -88,7 +88,9 @@ class Grid:
             self._in_cells(name, point)
         # The cells of an outline without a width.
         rows, columns = self.file([[one, one, two, two]])[0].T
-        order = np.lexsort((rows if two[1] <= one[1] else -rows, columns if two[0] >= one[0] else -columns))
+        order = np.lexsort(
+            (rows if two[1] <= one[1] else -rows, columns if two[0] >= one[0] else -columns)
+        )
         return np.stack([rows, columns], axis=-1)[order]
 
     def file(self, outlines: ArrayLike) -> tuple[_Cells, _Cells]:
@@ -107,7 +109,9 @@ class Grid:
             Whose cell it is: rising, and within a bench by column and row.
         """
         corners = coordinates("outlines", outlines, 4, 2, axes=3)
-        u, v = (np.ascontiguousarray(cells.T) for cells in self._in_cells("outlines", corners))  # (4, N)
+        u, v = (
+            np.ascontiguousarray(cells.T) for cells in self._in_cells("outlines", corners)
+        )  # (4, N)
         first, last = _range(u.min(axis=0), u.max(axis=0))
         counts = last - first + 1
         self._check_entries(counts, "large")
@@ -162,7 +166,9 @@ class Grid:
         # As a float, which no sum overflows.
         total = int(counts.sum(dtype=float))
         if total > _MAX_ENTRIES:
-            raise ParameterError("cell", self.cell, f"{size} enough for {_MAX_ENTRIES:,} entries, not {total:,}")
+            raise ParameterError(
+                "cell", self.cell, f"{size} enough for {_MAX_ENTRIES:,} entries, not {total:,}"
+            )
 
 
 def _range(low: Array, high: Array) -> tuple[_Cells, _Cells]:
@@ -188,7 +194,12 @@ def _rows(u0: Array, v0: Array, u1: Array, v1: Array, columns: _Cells) -> tuple[
     # Shares of the edge at which it crosses the column's two sides. They are moved out by twice the slack, so that no
     # edge misses a column in which `_range` has put it.
     left, right = (columns - 2 * _SLACK - u0) / across, (columns + 1 + 2 * _SLACK - u0) / across
-    enter, leave = np.maximum(np.minimum(left, right), 0.0), np.minimum(np.maximum(left, right), 1.0)
+    enter, leave = (
+        np.maximum(np.minimum(left, right), 0.0),
+        np.minimum(np.maximum(left, right), 1.0),
+    )
     one, two = v0 + enter * down, v0 + leave * down
     missed = enter > leave
-    return np.where(missed, np.inf, np.minimum(one, two)), np.where(missed, -np.inf, np.maximum(one, two))
+    return np.where(missed, np.inf, np.minimum(one, two)), np.where(
+        missed, -np.inf, np.maximum(one, two)
+    )

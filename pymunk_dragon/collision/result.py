@@ -94,21 +94,31 @@ class FirstContact(TextResult):
 
     def to_dict(self) -> dict[str, Any]:
         """In SI units, what `contact --json` prints them: `time` is None without a contact, `until` is the last."""
-        return asdict(self) | {"time": None if self.benches is None else self.time, "until": self.time}
+        return asdict(self) | {
+            "time": None if self.benches is None else self.time,
+            "until": self.time,
+        }
 
     def __str__(self) -> str:
         decimals = _SAMPLED_DECIMALS if self.resolution is None else _CERTIFIED_DECIMALS
         first = contact_text(self.status, self.benches, self.point, self.time, decimals)
         lines = [first, *map(str, self.near_misses or ())]
         if self.resolution is not None and self.resolution > _COARSE:
-            least = text("benches that overlap by less than {amount:.2g} micrometres count as apart")
+            least = text(
+                "benches that overlap by less than {amount:.2g} micrometres count as apart"
+            )
             lines.append(least.format(amount=1e6 * self.resolution))
         return "\n".join(lines)
 
     @property
     def contact(self) -> Contact | None:
         """The result as a `Contact`, as `Run.first_contact` is one; None for every status but "contact"."""
-        if self.status != "contact" or self.benches is None or self.point is None or self.normal is None:
+        if (
+            self.status != "contact"
+            or self.benches is None
+            or self.point is None
+            or self.normal is None
+        ):
             return None
         when: dict[str, float] = {"time": self.time, "raw_time": self.time, "depth": 0.0}
         return Contact(benches=self.benches, point=self.point, normal=self.normal, **when)

@@ -59,7 +59,11 @@ class Separation:
 
     def __repr__(self) -> str:
         size = self.distance.size
-        span = f", distance from {self.distance.min():g} m to {self.distance.max():g} m" if size else ""
+        span = (
+            f", distance from {self.distance.min():g} m to {self.distance.max():g} m"
+            if size
+            else ""
+        )
         return f"Separation({size} pairs{span})"
 
 
@@ -89,7 +93,9 @@ def separation(first: ArrayLike, second: ArrayLike) -> Separation:
     try:
         shape = np.broadcast_shapes(*(side.shape[:-2] for side in sides))
     except ValueError as error:
-        raise ParameterError("second", f"of shape {sides[1].shape}", f"one that goes with {sides[0].shape}") from error
+        raise ParameterError(
+            "second", f"of shape {sides[1].shape}", f"one that goes with {sides[0].shape}"
+        ) from error
     corners = np.empty((2, 4, *shape), dtype=complex)
     for into, side in zip(corners, sides, strict=True):
         into.transpose(*range(1, into.ndim), 0)[...] = side.view(complex)[..., 0]
@@ -119,7 +125,9 @@ def coordinates(name: str, value: ArrayLike, *tail: int, axes: int | None = None
         raise ParameterError(name, f"of shape {array.shape}", f"coordinates in m with {axes} axes")
     inside = np.abs(array) <= MAX_COORDINATE
     if not inside.all():
-        raise ParameterError(name, array[~inside][0].item(), f"finite and within {MAX_COORDINATE:g} m")
+        raise ParameterError(
+            name, array[~inside][0].item(), f"finite and within {MAX_COORDINATE:g} m"
+        )
     return array
 
 
@@ -154,7 +162,9 @@ def _separate(corners: Complex) -> tuple[Array, Complex, Complex]:
     apart = gap > 0
     distance = np.where(apart, np.maximum(gap, length), gap)
     # A gap may be positive by rounding with a corner at distance 0. The axis is then the only direction.
-    np.divide(np.where(by_second, -between, between), length, out=normal, where=apart & (length > 0))
+    np.divide(
+        np.where(by_second, -between, between), length, out=normal, where=apart & (length > 0)
+    )
     return distance, normal, point
 
 
@@ -166,7 +176,9 @@ def _frames(corners: Complex) -> tuple[Complex, Complex, Complex]:
     if wrong.any():
         side, pair = np.argwhere(wrong)[0]
         shown = as_vectors(corners[side, :, pair]).tolist()
-        raise ParameterError(("first", "second")[side], shown, "rectangles with an area, counter-clockwise")
+        raise ParameterError(
+            ("first", "second")[side], shown, "rectangles with an area, counter-clockwise"
+        )
     # Both summands point ahead, and the longer side, which rounding turns least, weighs most.
     ahead = along - 1j * left
     return (rear_right + front_left) / 2, ahead / np.abs(ahead), np.abs(along) + 1j * np.abs(left)
@@ -180,5 +192,7 @@ def _projections(centre: Complex, heading: Complex, half: Complex) -> tuple[Arra
     other = half[::-1]
     # On the axes of the other rectangle, both the length and the width have a projection.
     covered = half + (np.abs(turn.real) * other + np.abs(turn.imag) * (1j * other.conj()))
-    offsets, reach = (np.array((z[0].real, z[0].imag, z[1].real, z[1].imag)) for z in (offset, covered))
+    offsets, reach = (
+        np.array((z[0].real, z[0].imag, z[1].real, z[1].imag)) for z in (offset, covered)
+    )
     return np.abs(offsets) - reach, offsets

@@ -73,7 +73,9 @@ def scan(
     step = positive("step", step, np.inf, "s")
     end = min(until, march.end)
     if (end - start) / step > _MAX_SAMPLES:
-        raise ParameterError("step", step, f"long enough for at most {_MAX_SAMPLES:,} samples until {end:g} s")
+        raise ParameterError(
+            "step", step, f"long enough for at most {_MAX_SAMPLES:,} samples until {end:g} s"
+        )
     grid, counts = Grid.of(march), {"samples": 0, "tests": 0}
 
     def overlapping(poses: Array) -> tuple[int, int] | None:
@@ -95,7 +97,9 @@ def scan(
             # Bisection between a time at which no benches overlap and one at which `pair` does.
             while after - before > _TOLERANCE and before < (middle := (before + after) / 2) < after:
                 found = overlapping(march.at(middle).poses[0])
-                before, after, pair = (middle, after, pair) if found is None else (before, middle, found)
+                before, after, pair = (
+                    (middle, after, pair) if found is None else (before, middle, found)
+                )
             return result("contact", after, pair)
         before = after
         if progress is not None:

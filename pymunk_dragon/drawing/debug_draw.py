@@ -134,22 +134,34 @@ class DrawRecorder(pymunk.SpaceDebugDrawOptions):
             return self.shape_static_color
         return Colour(red, green, blue, alpha)
 
-    def draw_circle(self, pos: _Point, angle: float, radius: float, outline_color: Colour, fill_color: Colour) -> None:
+    def draw_circle(
+        self, pos: _Point, angle: float, radius: float, outline_color: Colour, fill_color: Colour
+    ) -> None:
         """Record a circle with a line from its centre in the direction of `angle`."""
-        self.calls.append(DrawCall("circle", (pos,), radius, fill_color, outline_color, angle, self._shape))
+        self.calls.append(
+            DrawCall("circle", (pos,), radius, fill_color, outline_color, angle, self._shape)
+        )
 
     def draw_segment(self, a: _Point, b: _Point, color: Colour) -> None:
         """Record a line of a constraint or, if it has the colour of collision points, a contact."""
         contact = color == self.collision_point_color != self.constraint_color
         self.calls.append(DrawCall("contact" if contact else "line", (a, b), 0.0, color))
 
-    def draw_fat_segment(self, a: _Point, b: _Point, radius: float, outline_color: Colour, fill_color: Colour) -> None:
+    def draw_fat_segment(
+        self, a: _Point, b: _Point, radius: float, outline_color: Colour, fill_color: Colour
+    ) -> None:
         """Record a segment with round ends."""
-        self.calls.append(DrawCall("segment", (a, b), radius, fill_color, outline_color, 0.0, self._shape))
+        self.calls.append(
+            DrawCall("segment", (a, b), radius, fill_color, outline_color, 0.0, self._shape)
+        )
 
-    def draw_polygon(self, verts: Sequence[_Point], radius: float, outline_color: Colour, fill_color: Colour) -> None:
+    def draw_polygon(
+        self, verts: Sequence[_Point], radius: float, outline_color: Colour, fill_color: Colour
+    ) -> None:
         """Record a convex polygon with corners rounded by a radius."""
-        self.calls.append(DrawCall("polygon", tuple(verts), radius, fill_color, outline_color, 0.0, self._shape))
+        self.calls.append(
+            DrawCall("polygon", tuple(verts), radius, fill_color, outline_color, 0.0, self._shape)
+        )
 
     def draw_dot(self, size: float, pos: _Point, color: Colour) -> None:
         """Record a disc of radius `size`, pixels."""
@@ -200,7 +212,9 @@ class PillowDrawOptions(DrawRecorder):
     (149, 165, 166)
     """
 
-    def __init__(self, image: Image.Image, *, positive_y_is_up: bool = False, line_width: float = 1.0) -> None:
+    def __init__(
+        self, image: Image.Image, *, positive_y_is_up: bool = False, line_width: float = 1.0
+    ) -> None:
         super().__init__()
         if instance("image", image, Image.Image, "a PIL.Image.Image").mode != "RGB":
             raise ParameterError("image", image, "a PIL.Image.Image in mode RGB")
@@ -224,14 +238,18 @@ class PillowDrawOptions(DrawRecorder):
         sides = zip((width, height), lengths, strict=True)
         scale = min((pixels - 2 * margin) / length for pixels, length in sides if length > 0)
         x, y = box.center()
-        self.transform = pymunk.Transform(scale, 0, 0, scale, width / 2 - scale * x, height / 2 - scale * y)
+        self.transform = pymunk.Transform(
+            scale, 0, 0, scale, width / 2 - scale * x, height / 2 - scale * y
+        )
 
     def __exit__(self, *raised: object) -> None:
         """Draw what was recorded."""
         super().__exit__(*raised)
         if raised[1] is not None:
             return
-        canvas = self.image.resize([_SAMPLES * length for length in self.image.size], Image.Resampling.NEAREST)
+        canvas = self.image.resize(
+            [_SAMPLES * length for length in self.image.size], Image.Resampling.NEAREST
+        )
         view = pymunk.Transform.scaling(_SAMPLES) @ self.transform
         if self.positive_y_is_up:
             view = pymunk.Transform(1, 0, 0, -1, 0, canvas.height) @ view
@@ -248,8 +266,16 @@ def extent(space: pymunk.Space) -> pymunk.BB:
     recorder.flags = recorder.DRAW_SHAPES | recorder.DRAW_CONSTRAINTS
     space.debug_draw(recorder)
     # The radius of a dot is in pixels. Shapes with infinite coordinates are not drawn either.
-    reaches = [(point, call.radius if call.outline else 0) for call in recorder.calls for point in call.points]
-    boxes = [pymunk.BB.newForCircle(*reach) for reach in reaches if all(map(math.isfinite, (*reach[0], reach[1])))]
+    reaches = [
+        (point, call.radius if call.outline else 0)
+        for call in recorder.calls
+        for point in call.points
+    ]
+    boxes = [
+        pymunk.BB.newForCircle(*reach)
+        for reach in reaches
+        if all(map(math.isfinite, (*reach[0], reach[1])))
+    ]
     return reduce(pymunk.BB.merge, boxes, pymunk.BB(math.inf, math.inf, -math.inf, -math.inf))
 
 
@@ -260,7 +286,9 @@ def area(space: pymunk.Space) -> tuple[float, float, float, float]:
     return *box.center(), max(box.right - box.left, _SMALLEST), max(box.top - box.bottom, _SMALLEST)
 
 
-def still(space: pymunk.Space, field: Mapping[str, Sequence[float]], *, y_down: bool, flags: int) -> bytes:
+def still(
+    space: pymunk.Space, field: Mapping[str, Sequence[float]], *, y_down: bool, flags: int
+) -> bytes:
     """Return a PNG of a part of a space, of a centre and a size, with what the `flags` of debug drawing choose."""
     options = PillowDrawOptions(Image.new("RGB", _STILL_SIZE, "white"), positive_y_is_up=not y_down)
     options.flags = flags
@@ -275,12 +303,17 @@ def still(space: pymunk.Space, field: Mapping[str, Sequence[float]], *, y_down: 
 def _paint(draw: ImageDraw.ImageDraw, view: pymunk.Transform, line: float, call: DrawCall) -> None:
     """Paint a call with lines of a width in drawn pixels, to which `view` transforms the space."""
     points = [view @ point for point in call.points]
-    radius = call.radius * (line if call.name == "dot" else math.sqrt(abs(view.a * view.d - view.b * view.c)))
+    radius = call.radius * (
+        line if call.name == "dot" else math.sqrt(abs(view.a * view.d - view.b * view.c))
+    )
     if not all(abs(number) < _MAX_REACH for point in points for number in (*point, radius)):
         return
     fill, width = tuple(map(round, call.fill)), round(line)
     if call.name == "contact":
-        middle, reach = (points[0] + points[1]) / 2, _COLLISION_MARK * line * (points[1] - points[0]).normalized()
+        middle, reach = (
+            (points[0] + points[1]) / 2,
+            _COLLISION_MARK * line * (points[1] - points[0]).normalized(),
+        )
         points = [middle - reach, middle + reach]
     if call.name in ("contact", "line"):
         _paint_line(draw, points, width, fill)
@@ -289,7 +322,9 @@ def _paint(draw: ImageDraw.ImageDraw, view: pymunk.Transform, line: float, call:
         # No segment is thinner than a line.
         radius = max(radius, line / 2)
     corners, headings = _sides(points)
-    across = [[y * math.cos(heading) - x * math.sin(heading) for x, y in corners] for heading in headings]
+    across = [
+        [y * math.cos(heading) - x * math.sin(heading) for x, y in corners] for heading in headings
+    ]
     # An outline would cover a thin shape.
     thin = 2 * radius + min(max(row) - min(row) for row in across) <= 4 * line
     roundness = max(radius - _EDGE_INSET, 0.0)
@@ -311,13 +346,17 @@ def _paint(draw: ImageDraw.ImageDraw, view: pymunk.Transform, line: float, call:
         _paint_line(draw, [points[0], view @ tip], width, outline)
 
 
-def _paint_line(draw: ImageDraw.ImageDraw, ends: Sequence[_Point], width: int, colour: tuple[int, ...]) -> None:
+def _paint_line(
+    draw: ImageDraw.ImageDraw, ends: Sequence[_Point], width: int, colour: tuple[int, ...]
+) -> None:
     """Paint the part of a line that is in the picture or near it: polygons have single precision."""
     (x, y), (x_end, y_end) = ends
     first, last = 0.0, 1.0
     for begin, move, size in ((x, x_end - x, draw.im.size[0]), (y, y_end - y, draw.im.size[1])):
         # A line that is parallel to an axis cannot leave the picture along the other one.
-        crossings = [(border - begin) / (move or math.ulp(0.0)) for border in (-2 * width, size + 2 * width)]
+        crossings = [
+            (border - begin) / (move or math.ulp(0.0)) for border in (-2 * width, size + 2 * width)
+        ]
         first, last = max(first, min(crossings)), min(last, max(crossings))
     if first < last and ends[0] != ends[1]:
         shown = [(x + part * (x_end - x), y + part * (y_end - y)) for part in (first, last)]
@@ -330,10 +369,14 @@ def _sides(points: Sequence[pymunk.Vec2d]) -> tuple[list[pymunk.Vec2d], list[flo
     following = [*corners[1:], corners[0]]
     if sum(corner.cross(after) for corner, after in zip(corners, following, strict=True)) < 0:
         corners, following = following[::-1], corners[::-1]
-    return corners, [(after - corner).angle for corner, after in zip(corners, following, strict=True)]
+    return corners, [
+        (after - corner).angle for corner, after in zip(corners, following, strict=True)
+    ]
 
 
-def _around(corners: Sequence[_Point], headings: Sequence[float], distance: float, roundness: float) -> _Arcs:
+def _around(
+    corners: Sequence[_Point], headings: Sequence[float], distance: float, roundness: float
+) -> _Arcs:
     """Return the polygon at a distance around a point, a line or a convex polygon, or inside if it is negative.
 
     There is an arc for each corner, with as many points as a radius of `roundness` needs.
@@ -355,7 +398,9 @@ def _around(corners: Sequence[_Point], headings: Sequence[float], distance: floa
     return arcs
 
 
-def _ring(edge: list[list[strokes.Pixel]], outer: _Arcs, inner: _Arcs, width: int) -> list[strokes.Pixel]:
+def _ring(
+    edge: list[list[strokes.Pixel]], outer: _Arcs, inner: _Arcs, width: int
+) -> list[strokes.Pixel]:
     """Return the polygon between two polygons, of which the pixels of the `outer` one are the `edge`."""
     hole = [_pixels(arc) for arc in inner]
     # Straight sides have the distance of the line's width from the pixels of the outer ones.

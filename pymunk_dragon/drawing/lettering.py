@@ -53,9 +53,14 @@ def wrapped(text: str, height: int, width: int) -> list[Image.Image]:
 
     # The first line grows with the number of characters.
     first_lines = range(1, len(text) + 1)
-    columns = bisect_left(first_lines, x=True, key=lambda number: is_wide("".join(textwrap.wrap(text, number)[:1])))
+    columns = bisect_left(
+        first_lines, x=True, key=lambda number: is_wide("".join(textwrap.wrap(text, number)[:1]))
+    )
     parts = textwrap.wrap(text, max(columns, 1))
-    while columns > 1 and (wide := next((i for i, part in enumerate(parts) if is_wide(part)), None)) is not None:
+    while (
+        columns > 1
+        and (wide := next((i for i, part in enumerate(parts) if is_wide(part)), None)) is not None
+    ):
         # With fewer characters, but enough for all lines so far, these lines are the same.
         columns = max(map(len, parts[: wide + 1])) - 1
         parts = textwrap.wrap(text, columns)
@@ -95,5 +100,7 @@ def _line(text: str, height: int, file: Path | None) -> Image.Image:
     # No digit or Latin letter extends below these characters.
     bottom = round(font.getbbox("gjpqy,()[]|")[3])
     image = Image.new("RGB", (_width(text, height, file), bottom + margin), COLOURS.background)
-    ImageDraw.Draw(image).text((margin, round(_TOP_MARGIN * height)), text, fill=COLOURS.ink, font=font)
+    ImageDraw.Draw(image).text(
+        (margin, round(_TOP_MARGIN * height)), text, fill=COLOURS.ink, font=font
+    )
     return image

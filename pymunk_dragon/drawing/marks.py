@@ -67,21 +67,31 @@ class Layer:
         """Draw a disc of force; lengths in pixels."""
         ImageDraw.Draw(self.image).circle(centre, radius, fill=COLOURS.force)
 
-    def arrow(self, begin: Sequence[float], end: Sequence[float], colour: str = COLOURS.motion) -> None:
+    def arrow(
+        self, begin: Sequence[float], end: Sequence[float], colour: str = COLOURS.motion
+    ) -> None:
         """Draw an arrow from a pixel to another one."""
         tip, along = complex(*end), complex(*end) - complex(*begin)
         length = abs(along)
         if length < _MIN_ARROW_LENGTH:
             return
-        neck, across = tip - min(_ARROWHEAD_LENGTH / length, 1) * along, 1j * _ARROWHEAD_HALF_WIDTH * along / length
+        neck, across = (
+            tip - min(_ARROWHEAD_LENGTH / length, 1) * along,
+            1j * _ARROWHEAD_HALF_WIDTH * along / length,
+        )
         draw = ImageDraw.Draw(self.image)
         draw.line((*begin, neck.real, neck.imag), fill=colour, width=_SHAFT_WIDTH)
-        draw.polygon([(point.real, point.imag) for point in (tip, neck + across, neck - across)], fill=colour)
+        draw.polygon(
+            [(point.real, point.imag) for point in (tip, neck + across, neck - across)], fill=colour
+        )
 
     def arrows(self, points: Array, vectors: Array) -> None:
         """Draw arrows of motion from `points` (K, 2) along `vectors` (K, 2), m, where they can be in view."""
         seen = self.holds(points, float(np.linalg.norm(vectors, axis=-1).max()))
-        begins, ends = self.pixels(points[seen]).tolist(), self.pixels((points + vectors)[seen]).tolist()
+        begins, ends = (
+            self.pixels(points[seen]).tolist(),
+            self.pixels((points + vectors)[seen]).tolist(),
+        )
         for begin, end in zip(begins, ends, strict=True):
             self.arrow(begin, end)
 
@@ -104,7 +114,9 @@ def check_overlays(names: Collection[str], source: Snapshots) -> None:
     for name in names:
         needs = OVERLAYS[name].needs
         if needs and getattr(source.run, needs, None) is None:
-            raise ParameterError("show", name, "left out: a march has no contacts, and only the engine has impulses")
+            raise ParameterError(
+                "show", name, "left out: a march has no contacts, and only the engine has impulses"
+            )
 
 
 def draw_overlays(layer: Layer, names: Collection[str], *, below: bool = False) -> None:
@@ -128,7 +140,11 @@ def _touches(run: Run, time: float) -> list[tuple[Sequence[Sequence[float]], Seq
     since = time - _RECENT_SUBSTEPS * (run.substep or 0.0)
     begin, end = (bisect_right(run.events, t, key=lambda event: event.time) for t in (since, time))
     if end > 0:
-        last = {each.benches: (each.points, each.normal) for each in run.events[begin:end] if each.normal}
+        last = {
+            each.benches: (each.points, each.normal)
+            for each in run.events[begin:end]
+            if each.normal
+        }
         return [*last.values()]
     first = run.first_contact
     return [([first.point], first.normal)] if first and time >= first.time else []
@@ -161,7 +177,11 @@ def _draw_contacts(layer: Layer) -> None:
             layer.disc(centre, _CONTACT_RADIUS)
         begin = centres.mean(axis=0)
         # y points downwards in a picture.
-        layer.arrow(begin.tolist(), (begin + _NORMAL_LENGTH * np.array(normal) * (1, -1)).tolist(), COLOURS.force)
+        layer.arrow(
+            begin.tolist(),
+            (begin + _NORMAL_LENGTH * np.array(normal) * (1, -1)).tolist(),
+            COLOURS.force,
+        )
 
 
 def _draw_grid(layer: Layer) -> None:
@@ -173,7 +193,8 @@ def _draw_grid(layer: Layer) -> None:
     filed, _ = grid.file(layer.dragon.outlines(layer.poses))
     for i, j in np.unique(filed, axis=0).tolist():
         x0, x1, y0, y1 = (
-            round(each * cell + edge) for each, edge in ((j, left), (j + 1, left), (i, top), (i + 1, top))
+            round(each * cell + edge)
+            for each, edge in ((j, left), (j + 1, left), (i, top), (i + 1, top))
         )
         draw.rectangle((x0, y0, x1 - 1, y1 - 1), fill=(*COLOURS.rgb("grid"), _CELL_TINT))
     width, height = layer.image.size
@@ -185,8 +206,16 @@ def _draw_grid(layer: Layer) -> None:
 
 # All overlays by name, in the order in which they are drawn.
 OVERLAYS: Mapping[str, _Overlay] = {
-    "velocities": _Overlay(shows="Arrows to where the handles would be in half a second.", draw=_draw_velocities),
-    "grid": _Overlay(shows="The cells of the broad phase, darker where a bench is filed.", draw=_draw_grid, below=True),
+    "velocities": _Overlay(
+        shows="Arrows to where the handles would be in half a second.", draw=_draw_velocities
+    ),
+    "grid": _Overlay(
+        shows="The cells of the broad phase, darker where a bench is filed.",
+        draw=_draw_grid,
+        below=True,
+    ),
     "contacts": _Overlay(shows="Contact points and normals.", needs="events", draw=_draw_contacts),
-    "impulses": _Overlay(shows="Impulses in the joints, as discs.", needs="joint_forces", draw=_draw_impulses),
+    "impulses": _Overlay(
+        shows="Impulses in the joints, as discs.", needs="joint_forces", draw=_draw_impulses
+    ),
 }

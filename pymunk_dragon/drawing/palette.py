@@ -52,5 +52,7 @@ def colour_table() -> NDArray[np.uint8]:
     steps = np.arange(1, BLOCK**2)[:, None] / BLOCK**2
     mixtures = [one + steps * (other - one) for one, other in combinations(colours, 2)]
     background, ink = np.array([COLOURS.rgb("background")]), np.array([COLOURS.rgb("ink")])
-    mixtures.append(background + np.arange(_TEXT_SHADES)[:, None] / _TEXT_SHADES * (ink - background))
+    mixtures.append(
+        background + np.arange(_TEXT_SHADES)[:, None] / _TEXT_SHADES * (ink - background)
+    )
     return np.unique(np.rint(np.concatenate([colours, *mixtures])).astype(np.uint8), axis=0)

@@ -83,8 +83,12 @@ class Scene:
         kinds = set[str]()
         for time, poses in samples:
             offsets = poses[:, :2] - (poses[0, :2] if self.follow == "head" else self.centre)
-            seen = np.flatnonzero(np.all(np.abs(offsets) < np.array(self.size) / self.scale / 2, axis=1))
-            special = _special(len(poses), self.contact if self.contact and time >= self.contact.time else None)
+            seen = np.flatnonzero(
+                np.all(np.abs(offsets) < np.array(self.size) / self.scale / 2, axis=1)
+            )
+            special = _special(
+                len(poses), self.contact if self.contact and time >= self.contact.time else None
+            )
             kinds |= {special.get(bench, "body") for bench in seen.tolist()}
         return kinds
 
@@ -104,7 +108,9 @@ class Scene:
             ring = point if gap < _SMALL_GAP else None
         if ring:
             centre = layer.pixels(ring).tolist()
-            ImageDraw.Draw(layer.image).circle(centre, _RING_RADIUS * BLOCK, outline=COLOURS.ink, width=BLOCK)
+            ImageDraw.Draw(layer.image).circle(
+                centre, _RING_RADIUS * BLOCK, outline=COLOURS.ink, width=BLOCK
+            )
         if self.beside and self.factor and self.beside.times[0] <= time <= self.beside.times[-1]:
             errors = self.beside.poses_at([time])[0, :, :2] - poses[:, :2]
             layer.arrows(poses[:, :2], self.factor * errors)
@@ -114,7 +120,9 @@ class Scene:
 
     def _with_texts(self, picture: Image.Image, left: str, right: str, below: str) -> Image.Image:
         """Write texts into the upper corners and the lower left one; `right` is omitted if it would overlap `left`."""
-        first, second, third = (lettering.line(each, text_height(self.size)) for each in (left, right, below))
+        first, second, third = (
+            lettering.line(each, text_height(self.size)) for each in (left, right, below)
+        )
         picture.paste(first, (0, 0))
         if first.width + second.width <= picture.width:
             picture.paste(second, (picture.width - second.width, 0))
@@ -147,7 +155,12 @@ class Scene:
             points = np.floor(layer.pixels(self._curve[first:last])).ravel().tolist()
             draw.line(points, fill=COLOURS.curve, width=curve_width)
         for x, y, radius in self.source.march.curve.circles:
-            draw.circle(layer.pixels((x, y)).tolist(), radius * layer.scale, outline=COLOURS.ink, width=BLOCK)
+            draw.circle(
+                layer.pixels((x, y)).tolist(),
+                radius * layer.scale,
+                outline=COLOURS.ink,
+                width=BLOCK,
+            )
         return layer
 
 
@@ -158,7 +171,10 @@ def text_height(size: tuple[int, int]) -> int:
 
 def hole_diameter(dragon: Dragon) -> float:
     """Return the diameter of a dragon's holes in pictures, m."""
-    return min(_HOLE_DIAMETER, _MAX_HOLE_FRACTION * float(np.minimum(dragon.widths, 2 * dragon.overhangs).min()))
+    return min(
+        _HOLE_DIAMETER,
+        _MAX_HOLE_FRACTION * float(np.minimum(dragon.widths, 2 * dragon.overhangs).min()),
+    )
 
 
 def _smallest_gap(dragon: Dragon, poses: Array) -> tuple[float, int, tuple[float, float]]:
@@ -174,7 +190,11 @@ def _smallest_gap(dragon: Dragon, poses: Array) -> tuple[float, int, tuple[float
 
 def _special(benches: int, contact: Contact | None) -> dict[int, str]:
     """Return the kinds of the benches that are not of the body; the head stays the head in a contact."""
-    return {benches - 1: "tail"} | dict.fromkeys(contact.benches if contact else (), "contact") | {0: "head"}
+    return (
+        {benches - 1: "tail"}
+        | dict.fromkeys(contact.benches if contact else (), "contact")
+        | {0: "head"}
+    )
 
 
 def _draw_benches(layer: Layer, contact: Contact | None) -> None:
@@ -187,7 +207,9 @@ def _draw_benches(layer: Layer, contact: Contact | None) -> None:
     polygons = np.floor(layer.pixels(rectangles(poses[seen], lengths, widths))).reshape(-1, 8)
     draw = ImageDraw.Draw(layer.image)
     for bench, polygon in zip(seen.tolist(), polygons.tolist(), strict=True):
-        draw.polygon(polygon, fill=getattr(COLOURS, special.get(bench, "body")), outline=COLOURS.ink)
+        draw.polygon(
+            polygon, fill=getattr(COLOURS, special.get(bench, "body")), outline=COLOURS.ink
+        )
         if bench == 0 and contact and contact.benches[0] == 0:
             border = max(1, round(_HEAD_BORDER * dragon.widths[0] * layer.scale))
             draw.polygon(polygon, outline=COLOURS.contact, width=border)

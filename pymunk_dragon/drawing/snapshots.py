@@ -48,5 +48,7 @@ class Snapshots:
         """Return the velocities (N + 1, 2) of the handles at a time, s, with the `poses` (N, 3) then, m/s."""
         if self.run is None:
             return np.asarray(self.march.at([time]).velocities[0])
-        front, rear = self.march.dragon.hole_velocities(poses, self.run.pose_velocities_at([time])[0])
+        front, rear = self.march.dragon.hole_velocities(
+            poses, self.run.pose_velocities_at([time])[0]
+        )
         return np.concatenate([front, rear[-1:]])

@@ -73,12 +73,18 @@ for step in range(70):  # noqa: B007  # `noted` prints it.
 sys.unraisablehook = usual
 *_, body = space.bodies
 print(f"afterwards the bench of {body.mass:.0f} kg goes at {body.velocity.length:.3f} m/s")
-frames[0].save("callbacks.gif", save_all=True, append_images=frames[1:], duration=[60] * 69 + [4000], loop=0)
+frames[0].save(
+    "callbacks.gif", save_all=True, append_images=frames[1:], duration=[60] * 69 + [4000], loop=0
+)
 
 # %%
 # A function of ours that fails as the dragon meets itself, called by `simulate`.
 try:
-    simulate(March(Dragon(benches=12)), start=412, on_event=lambda event: print(f"{event.phase}: {1 / 0}"))
+    simulate(
+        March(Dragon(benches=12)),
+        start=412,
+        on_event=lambda event: print(f"{event.phase}: {1 / 0}"),
+    )
 except ZeroDivisionError as error:
     print(f"caught:  {error}")
 frames[40]

@@ -17,9 +17,14 @@ march = March(Dragon(benches=40))
 substeps = [0.02, 0.01, 0.005]  # s
 plt.figure(figsize=(5, 3.5))
 for iterations in (5, 15, 60, 240):
-    runs = [simulate(march, start=400, until=405, substep=h, iterations=iterations) for h in substeps]
+    runs = [
+        simulate(march, start=400, until=405, substep=h, iterations=iterations) for h in substeps
+    ]
     errors = [1e6 * run.max_drift for run in runs]
-    print(f"{iterations:3d} iterations", *(f"  {h} s: {d:5.2f} µm" for h, d in zip(substeps, errors, strict=True)))
+    print(
+        f"{iterations:3d} iterations",
+        *(f"  {h} s: {d:5.2f} µm" for h, d in zip(substeps, errors, strict=True)),
+    )
     plt.loglog(substeps, errors, "o-", label=f"{iterations} iterations")
 plt.xlabel("substep (s)")
 plt.ylabel("error (µm)")

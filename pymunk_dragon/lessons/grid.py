@@ -28,7 +28,11 @@ def in_cells(points: NDArray[np.float64]) -> NDArray[np.float64]:
 # The walk along the edge through the grid; a cell has a row and a column.
 start, end = in_cells(benches[8, :2])
 cells = list(grid.walk(*benches[8, :2]))
-print("from column {:.3f}, row {:.3f} to column {:.3f}, row {:.3f}:".format(*start, *end), len(cells), "cells")
+print(
+    "from column {:.3f}, row {:.3f} to column {:.3f}, row {:.3f}:".format(*start, *end),
+    len(cells),
+    "cells",
+)
 print("rows and columns", *(f"({row}, {column})" for row, column in cells))
 
 # %%
@@ -36,7 +40,10 @@ print("rows and columns", *(f"({row}, {column})" for row, column in cells))
 for count in (16, 223):
     filed, pairs = grid.file(benches[:count])[0], grid.pairs(benches[:count])
     touching = separation(*benches[pairs.T]).distance < 1e-9
-    print(f"{count:3} benches  {(count - 1) * (count - 2) // 2:5} pairs  {len(filed):4} entries", end="  ")
+    print(
+        f"{count:3} benches  {(count - 1) * (count - 2) // 2:5} pairs  {len(filed):4} entries",
+        end="  ",
+    )
     print(f"{len(pairs):3} pairs to test  {touching.sum()} touching")
 
 plt.figure(figsize=(5, 4))

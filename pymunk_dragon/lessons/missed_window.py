@@ -32,7 +32,9 @@ for halvings in range(31):
     length = 0.5**halvings
     gaps = gap(begins + length / 2)
     samples += len(gaps)
-    until = min([until, *begins[gaps <= 0] + length / 2])  # a contact; what comes later is not the first
+    until = min(
+        [until, *begins[gaps <= 0] + length / 2]
+    )  # a contact; what comes later is not the first
     begins = begins[gaps <= 2 * fastest * length / 2]
     begins = np.sort(np.concatenate([begins, begins + length / 2]))
     begins = begins[begins < until]
@@ -44,7 +46,9 @@ times = until + np.linspace(-0.07, 0.27, 34_001)
 touching, deepest = times[gap(times) <= 0], gap(times).argmin()
 _, bench = hit.contact.benches
 angle = np.degrees(np.ptp(march.at(times[deepest]).poses[0, [0, bench], 2]))
-print(f"{np.ptp(touching):.3f} s long  {-gap(times)[deepest]:.3f} mm deep  at an angle of {angle:.2f} degrees")
+print(
+    f"{np.ptp(touching):.3f} s long  {-gap(times)[deepest]:.3f} mm deep  at an angle of {angle:.2f} degrees"
+)
 
 plt.figure(figsize=(5, 3))
 plt.plot(times, gap(times))

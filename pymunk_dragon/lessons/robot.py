@@ -20,29 +20,60 @@ arm = Dragon(
     width=[0.05] * 7 + [0.06] * 5 + [0.07] * 4,
 )
 # The path, as points that were tapped on a screen; the smooth curve through them is what the tip follows.
-points = [(-1.9, 0), (-1.6, 0), (-1.3, 0), (-1, 0), (-0.75, 0.08), (-0.5, 0.25), (-0.25, 0.3), (-0.03, 0.15)]
-points += [(0.1, -0.1), (0.32, -0.25), (0.55, -0.15), (0.6, 0.1), (0.42, 0.28), (0.2, 0.22), (0.05, 0.05), (-0.1, -0.1)]
+points = [
+    (-1.9, 0),
+    (-1.6, 0),
+    (-1.3, 0),
+    (-1, 0),
+    (-0.75, 0.08),
+    (-0.5, 0.25),
+    (-0.25, 0.3),
+    (-0.03, 0.15),
+]
+points += [
+    (0.1, -0.1),
+    (0.32, -0.25),
+    (0.55, -0.15),
+    (0.6, 0.1),
+    (0.42, 0.28),
+    (0.2, 0.22),
+    (0.05, 0.05),
+    (-0.1, -0.1),
+]
 march = March(arm, Sampled(np.array(points)), speed=0.2)
 
 # %%
 # As for the dragon: does it run into itself, exactly and in Pymunk, ...
 hit = first_contact(march)
 run = simulate(march, frame_interval=0.1)
-print(f"exact    t = {hit.time:.3f} s   " + (f"contact   links {hit.benches}" if hit.benches else "clear"))
+print(
+    f"exact    t = {hit.time:.3f} s   "
+    + (f"contact   links {hit.benches}" if hit.benches else "clear")
+)
 touch = run.first_contact
-print(f"engine   t = {run.times[-1]:.3f} s   " + (f"contact   links {touch.benches}" if touch else "clear"))
+print(
+    f"engine   t = {run.times[-1]:.3f} s   "
+    + (f"contact   links {touch.benches}" if touch else "clear")
+)
 
 # ... and where is each joint, and how fast?
 states = march.at(np.arange(0.1, hit.time - 0.1, 0.1))
 for word, found in [("fastest", states.speeds.argmax()), ("slowest", states.speeds.argmin())]:
     now, joint = np.unravel_index(found, states.speeds.shape)
-    print(f"{word}  joint {joint:2d}   t = {states.times[now]:.1f} s   {states.speeds[now, joint]:.3f} m/s")
-for time in (states.times[now] - 0.1, states.times[now] + 0.1):  # where the slowest one was before, and after
+    print(
+        f"{word}  joint {joint:2d}   t = {states.times[now]:.1f} s   {states.speeds[now, joint]:.3f} m/s"
+    )
+for time in (
+    states.times[now] - 0.1,
+    states.times[now] + 0.1,
+):  # where the slowest one was before, and after
     x, y = march.at(time).positions[0, joint]
     print(f"         joint {joint:2d}   t = {time:.1f} s   at ({x:.4f}, {y:.4f}) m")
 
 plt.figure(figsize=(5, 3))
-plt.plot(*march.curve.point(np.linspace(march.curve.begin_s, march.curve.end_s, 500)).T, color="silver")
+plt.plot(
+    *march.curve.point(np.linspace(march.curve.begin_s, march.curve.end_s, 500)).T, color="silver"
+)
 for link in arm.outlines(run.poses_at(hit.time)):
     plt.fill(*link.T, alpha=0.7)
 plt.axis("equal")

@@ -22,10 +22,15 @@ march = March(found.dragon, found.curve, speed=found.speed)
 state, product = march.at(found.time), 1.0
 for i in range(found.handle):
     bench = state.positions[0, i] - state.positions[0, i + 1]
-    front, rear = (np.arccos(v @ bench / np.hypot(*v) / np.hypot(*bench)) for v in state.velocities[0, i : i + 2])
+    front, rear = (
+        np.arccos(v @ bench / np.hypot(*v) / np.hypot(*bench))
+        for v in state.velocities[0, i : i + 2]
+    )
     ratio = np.cos(front) / np.cos(rear)
     product *= ratio
-    print(f"bench {i}: {np.degrees(front):7.4f} and {np.degrees(rear):7.4f} degrees  cos / cos = {ratio:.4f}")
+    print(
+        f"bench {i}: {np.degrees(front):7.4f} and {np.degrees(rear):7.4f} degrees  cos / cos = {ratio:.4f}"
+    )
 print(f"product {product:.4f}")
 
 # Where the head enters the circle, changes arcs and leaves, the curvature of the path jumps.

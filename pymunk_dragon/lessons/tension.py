@@ -37,7 +37,9 @@ def build(benches: int = BENCHES, dancers: int = 0) -> pymunk.Space:
         space.add(body, shape)
         if number * dancers % benches < dancers:
             body.velocity_func = pushed
-    space.add(*(pymunk.PivotJoint(before, body, (-1, 0), (1, 0)) for before, body in pairwise(bodies)))
+    space.add(
+        *(pymunk.PivotJoint(before, body, (-1, 0), (1, 0)) for before, body in pairwise(bodies))
+    )
     return space
 
 
@@ -50,7 +52,9 @@ def pushed(body: pymunk.Body, gravity: Any, damping: float, dt: float) -> None:
 def first(space: pymunk.Space) -> float:
     """Live, the force in the joint at the head, N."""
     head, *_ = space.bodies
-    return sum(joint.impulse for joint in space.constraints if joint.a is head) / (space.current_time_step or STEP)
+    return sum(joint.impulse for joint in space.constraints if joint.a is head) / (
+        space.current_time_step or STEP
+    )
 
 
 def follow(space: pymunk.Space, time: float) -> None:
@@ -59,7 +63,10 @@ def follow(space: pymunk.Space, time: float) -> None:
         body.position -= (space.current_time_step, 0)
 
 
-sliders = [Slider(name, low, 24, label=name.title(), rebuilds=True) for name, low in [("benches", 2), ("dancers", 0)]]
+sliders = [
+    Slider(name, low, 24, label=name.title(), rebuilds=True)
+    for name, low in [("benches", 2), ("dancers", 0)]
+]
 # With longer steps, the engine tears the chain apart.
 sliders.append(Slider("step", 1, 50, label="Time step", unit="ms", logarithmic=True))
 plots = {"Force in the first joint (N)": first}
@@ -68,7 +75,11 @@ LIVE: dict[str, Any] = {"step": STEP, "on_step": follow, "controls": sliders, "p
 # %%
 print(f"drag on a bench at 1 m/s: {CONTINUOUS:.3f} N, with steps of {STEP} s {DRAG:.3f} N")
 plt.figure(figsize=(5, 3.5))
-for name, kept, dancers in [("on the ground", KEPT, 0), ("with 12 dancers", KEPT, 12), ("on ice", 1.0, 0)]:
+for name, kept, dancers in [
+    ("on the ground", KEPT, 0),
+    ("with 12 dancers", KEPT, 12),
+    ("on ice", 1.0, 0),
+]:
     space = build(dancers=dancers)
     space.damping = kept
     for _ in range(1000):
@@ -76,7 +87,10 @@ for name, kept, dancers in [("on the ground", KEPT, 0), ("with 12 dancers", KEPT
     # Pymunk gives impulses, in N s, of a whole step.
     force = [joint.impulse / STEP for joint in space.constraints]
     plt.plot(force, "o", label=name)
-    print(f"{name:15}" + "".join(f"   joint {joint:2d}: {force[joint]:5.1f} N" for joint in (0, 1, 12, 23)))
+    print(
+        f"{name:15}"
+        + "".join(f"   joint {joint:2d}: {force[joint]:5.1f} N" for joint in (0, 1, 12, 23))
+    )
 plt.xlabel("joint, from head to tail")
 plt.ylabel("force (N)")
 plt.legend()

@@ -27,7 +27,9 @@ for name, run in [("with   ", guided), ("without", alone)]:
         print(f"{name} {what}" + "".join(f"{np.hypot(*far[bench]):7.2f}" for bench in some) + " m")
 
 # A with dancers, B without.
-render([guided, alone], "unguided.gif", headings=("A", "B"), legend=False, speedup=3, size=(300, 336))
+render(
+    [guided, alone], "unguided.gif", headings=("A", "B"), legend=False, speedup=3, size=(300, 336)
+)
 alone
 
 # %% [markdown]

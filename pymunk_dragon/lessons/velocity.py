@@ -20,7 +20,9 @@ for handle in march.dragon.representatives:
 
 # The head bench, and the angles between it and the velocities of its two handles.
 bench = state.positions[0, 0] - state.positions[0, 1]
-front, rear = (np.arccos(v @ bench / np.hypot(*v) / np.hypot(*bench)) for v in state.velocities[0, :2])
+front, rear = (
+    np.arccos(v @ bench / np.hypot(*v) / np.hypot(*bench)) for v in state.velocities[0, :2]
+)
 print(f"head bench: {np.degrees(front):.4f} and {np.degrees(rear):.4f} degrees  ", end="")
 print(f"cos / cos = {np.cos(front) / np.cos(rear):.6f}")
 

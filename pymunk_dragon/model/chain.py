@@ -145,7 +145,9 @@ def chains(path: Path, heads: Array, spacings: Array) -> ChainMotion:
         handles_s[:, : _BLOCK + 1] = _bench_by_bench(path, heads[rest], spacings[:_BLOCK])
         behind = ~np.isnan(handles_s[:, min(_BLOCK, spacings.size)])
         if spacings.size > _BLOCK and behind.any():
-            handles_s[behind, _BLOCK:] = chains(path, handles_s[behind, _BLOCK], spacings[_BLOCK:]).handles_s
+            handles_s[behind, _BLOCK:] = chains(
+                path, handles_s[behind, _BLOCK], spacings[_BLOCK:]
+            ).handles_s
         for into, part in zip(found, chain_motion(path, handles_s, spacings), strict=True):
             into[rest] = part
     return found
@@ -195,7 +197,9 @@ def _empty(chains: int, handles: int) -> ChainMotion:
     return found.each(lambda part: part.reshape(chains, handles))
 
 
-def _solve_block(path: Path, heads: Array, parameters: Array, spacings: Array, into: ChainMotion) -> Flags:
+def _solve_block(
+    path: Path, heads: Array, parameters: Array, spacings: Array, into: ChainMotion
+) -> Flags:
     """Write chains to arrays (H, T), in which front and rear handles are contiguous; which are accepted, (T,)."""
     lengths, shortest = spacings[:, None], spacings.min(initial=np.inf)
     squares, inverse = lengths**2, 0.5 / lengths
@@ -227,7 +231,9 @@ def _solve_block(path: Path, heads: Array, parameters: Array, spacings: Array, i
     into.handles_s[:] = path._coordinate(parameters)
     # The inverse of `_parameter` rounds; the heads keep their coordinates.
     into.handles_s[0] = heads
-    largest = np.maximum(np.abs(into.handles_s[[0, -1]]).max(axis=0), np.abs(points[0]) + spacings.sum())
+    largest = np.maximum(
+        np.abs(into.handles_s[[0, -1]]).max(axis=0), np.abs(points[0]) + spacings.sum()
+    )
     # Written so that nan fails.
     converged &= error <= _WHOLE_RESIDUAL * np.spacing(largest)
     ratios, _ = _ratios(benches, derivatives)
@@ -274,7 +280,9 @@ def _nearest(path: Path, handles_s: Array, spacings: Array) -> Flags:
         sharp[:, rest] = ~(path.max_curvature(some - reach, some) * spacings[:, None] < 2)
         for spacing in np.unique(spacings).tolist():
             chosen = np.nonzero(sharp & (spacings[:, None] == spacing))
-            found[chosen] = np.abs(rear_handle(path, fronts[chosen], spacing) - rears[chosen]) <= _SAME_HANDLE
+            found[chosen] = (
+                np.abs(rear_handle(path, fronts[chosen], spacing) - rears[chosen]) <= _SAME_HANDLE
+            )
     return np.asarray(found.all(axis=0))
 
 
@@ -311,7 +319,9 @@ def rear_between(path: Path, s: Array, chord: float, low: Array, high: Array) ->
         short = distance < chord
         low, high = np.where(short, offset, low), np.where(short, high, offset)
         with np.errstate(divide="ignore", invalid="ignore"):
-            better = offset + (chord - distance) * distance / ((fronts - points).conj() * tangents).real
+            better = (
+                offset + (chord - distance) * distance / ((fronts - points).conj() * tangents).real
+            )
         better = np.where((better >= low) & (better <= high), better, (low + high) / 2)
         step = np.abs(better - offset)
         offset = better
@@ -336,7 +346,9 @@ def _bracket(path: Path, s: Array, chord: float) -> tuple[Array, Array]:
         slope = 1 - curvature * distance[rows]
         # The positive root, without cancellation.
         total = np.abs(slope) + np.sqrt(slope**2 + 4 * curvature * growth[rows])
-        step = np.minimum(np.where(slope > 0, total / (2 * curvature), 2 * growth[rows] / total), reach)
+        step = np.minimum(
+            np.where(slope > 0, total / (2 * curvature), 2 * growth[rows] / total), reach
+        )
         before[rows], offset[rows] = here, here + step
         # Where steps are short, the curvature much further ahead does not matter.
         ahead[rows] = np.minimum(4 * step, _LOOKAHEAD * chord)

@@ -20,7 +20,12 @@ _Vector = tuple[float, float]
 _Kind = TypeVar("_Kind")
 
 # Largest number in a file, by entry: as for a run's poses, m, where pictures draw it.
-_LIMITS = {"point": MAX_COORDINATE, "points": MAX_COORDINATE, "normal": 2.0, "depth": MAX_COORDINATE}
+_LIMITS = {
+    "point": MAX_COORDINATE,
+    "points": MAX_COORDINATE,
+    "normal": 2.0,
+    "depth": MAX_COORDINATE,
+}
 # Largest number of the other entries: runs store such values in single precision.
 _MAX_VALUE = float(np.finfo(np.float32).max)
 
@@ -118,7 +123,11 @@ class ContactLog(tuple[ContactEvent, ...]):
 
     def __str__(self) -> str:
         rows = (
-            ("{:3d} {:3d}".format(*one.benches), one.begin, text("the end") if one.end is None else f"{one.end:.3f}")
+            (
+                "{:3d} {:3d}".format(*one.benches),
+                one.begin,
+                text("the end") if one.end is None else f"{one.end:.3f}",
+            )
             for one in self.windows()
         )
         heads = (text("benches"), text("touch from (s)"), text("to (s)"))
@@ -134,24 +143,34 @@ class ContactLog(tuple[ContactEvent, ...]):
             elif event.phase == "separate" and event.benches in open_since:
                 begin = open_since.pop(event.benches)
                 windows.append(ContactWindow(benches=event.benches, begin=begin, end=event.time))
-        still = [ContactWindow(benches=pair, begin=begin, end=None) for pair, begin in open_since.items()]
+        still = [
+            ContactWindow(benches=pair, begin=begin, end=None) for pair, begin in open_since.items()
+        ]
         return sorted(windows + still, key=lambda window: (window.begin, window.benches))
 
 
 def contact_text(
-    status: str, benches: tuple[int, int] | None, point: _Vector | None, time: float, decimals: int = 6
+    status: str,
+    benches: tuple[int, int] | None,
+    point: _Vector | None,
+    time: float,
+    decimals: int = 6,
 ) -> str:
     """When and where two benches first touch, with so many `decimals` of the time, or until which time none do."""
     if benches is None or point is None:
         if status != "unreachable":
             return text("no contact until t = {t:.6g} s").format(t=time)
-        lost = text("no contact until t = {t:.6g} s, after which a handle has no position on the curve")
+        lost = text(
+            "no contact until t = {t:.6g} s, after which a handle has no position on the curve"
+        )
         return lost.format(t=time)
     values = {"i": benches[0], "j": benches[1], "t": f"{time:.{decimals}f}"}
     if status == "overlapping":
         return text("benches {i} and {j} overlap at the start, t = {t} s").format(**values)
     x, y = point
-    return text("first contact at t = {t} s: benches {i} and {j} at ({x:.6f}, {y:.6f}) m").format(**values, x=x, y=y)
+    return text("first contact at t = {t} s: benches {i} and {j} at ({x:.6f}, {y:.6f}) m").format(
+        **values, x=x, y=y
+    )
 
 
 def read_contact(kind: type[_Kind], values: Mapping[str, Any], benches: int) -> _Kind:

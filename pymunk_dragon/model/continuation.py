@@ -30,7 +30,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pymunk_dragon._arrays import Array, Flags
-from pymunk_dragon.model.chain import ChainMotion, chain_motion, chains, gentle_offsets, rear_between, rear_handle
+from pymunk_dragon.model.chain import (
+    ChainMotion,
+    chain_motion,
+    chains,
+    gentle_offsets,
+    rear_between,
+    rear_handle,
+)
 from pymunk_dragon.model.curves.base import Curve
 
 # Shares of a spacing: grid on which the curvature is checked, and longest half cell in either coordinate.
@@ -71,7 +78,9 @@ class Continuation:
     def motion(self, heads: Array, handles: int) -> ChainMotion:
         """Motion of the foremost handles with the head at `heads` (T,), m; nan where no continuous motion leads to."""
         spacings = self._spacings[: handles - 1]
-        direct = self._gentle(np.minimum(heads, self._head), np.maximum(heads, self._head), spacings)
+        direct = self._gentle(
+            np.minimum(heads, self._head), np.maximum(heads, self._head), spacings
+        )
         if direct.all():
             return chains(self._curve, heads, spacings)
         handles_s = np.empty((heads.size, handles))
@@ -107,7 +116,10 @@ class Continuation:
         if np.unique(self._spacings[1:]).size > 1:
             return False
         extremes = np.array([min(low, self._head)]), np.array([max(high, self._head)])
-        return bool(self._gentle(*extremes, self._spacings)[0]) or len({id(each) for each in self._branches[1:]}) <= 1
+        return (
+            bool(self._gentle(*extremes, self._spacings)[0])
+            or len({id(each) for each in self._branches[1:]}) <= 1
+        )
 
     def _gentle(self, lows: Array, highs: Array, spacings: Array) -> Flags:
         """Whether A and B are positive for such benches for any first front from `lows` to `highs` (T,)."""
@@ -121,7 +133,9 @@ class Continuation:
         rest = np.arange(self._spacings.size)
         while rest.size:
             bench, others = rest[0], rest[self._spacings[rest] == self._spacings[rest[0]]]
-            branch = _Branch(self._curve, *map(float, (self._spacings[bench], *self.start[bench : bench + 2])))
+            branch = _Branch(
+                self._curve, *map(float, (self._spacings[bench], *self.start[bench : bench + 2]))
+            )
             fronts = self.start[others]
             branch.cover(fronts.min(), fronts.max())
             same = np.abs(branch.rear(fronts) - self.start[others + 1]) <= _SAME
@@ -201,9 +215,13 @@ class _Branch:
         shortest, longest, _ = gentle_offsets(self._curve, fronts, self._chord)
         shortest = np.where(np.isnan(low), shortest, fronts - high)
         longest = np.where(np.isnan(low), longest, fronts - low)
-        return rear_between(self._curve, fronts, self._chord, np.where(inside, shortest, np.nan), longest)
+        return rear_between(
+            self._curve, fronts, self._chord, np.where(inside, shortest, np.nan), longest
+        )
 
-    def image(self, lows: Array, highs: Array, known: tuple[tuple[Array, Array], ...]) -> tuple[Array, Array]:
+    def image(
+        self, lows: Array, highs: Array, known: tuple[tuple[Array, Array], ...]
+    ) -> tuple[Array, Array]:
         """Lowest and highest rear coordinates (T,) for fronts from `lows` to `highs`; nan where the function ends."""
         self.cover(lows.min(), highs.max())
         fronts = np.stack([lows, highs])
@@ -231,11 +249,17 @@ class _Branch:
     def _join(self) -> None:
         """Join the cells of both directions into arrays."""
         left, right = self._cells[-1][::-1], self._cells[1]
-        self._edges = np.array([*(cell[0] for cell in left), self._start[0], *(cell[0] for cell in right)])
+        self._edges = np.array(
+            [*(cell[0] for cell in left), self._start[0], *(cell[0] for cell in right)]
+        )
         known = self._start[1], self._start[1]
-        self._brackets = np.array([*(cell[1:] for cell in left), known, *(cell[1:] for cell in right)])
+        self._brackets = np.array(
+            [*(cell[1:] for cell in left), known, *(cell[1:] for cell in right)]
+        )
 
-    def _extended(self, front: float, rear: float, direction: int, aim: float) -> tuple[float, float] | None:
+    def _extended(
+        self, front: float, rear: float, direction: int, aim: float
+    ) -> tuple[float, float] | None:
         """Append gentle cells up to the one with `aim`, or one cell that is proven; the state at the end."""
         cells, end = self._cells[direction], self._gentle_run(front, rear, direction, aim)
         if end != front:
@@ -258,7 +282,9 @@ class _Branch:
             there = float(rear_between(self._curve, fronts, self._chord, low, high)[0])
             if not np.isnan(there):
                 if hidden:
-                    self._possible_reversals.append((min(front, following), max(front, following), hidden))
+                    self._possible_reversals.append(
+                        (min(front, following), max(front, following), hidden)
+                    )
                 if (growth[0] >= 0) != (self._growth(following, there)[0] >= 0):
                     self._reversals.append(self._reversal(front, following, bracket))
                 cells.append((following, *bracket))
@@ -289,7 +315,9 @@ class _Branch:
         points, tangents = self._curve.frame(np.stack([fronts, rears]))
         return np.asarray(np.sum(tangents * (points[0] - points[1]), axis=-1))
 
-    def _step(self, front: float, rear: float, growth: Array, direction: int) -> tuple[float, float, float]:
+    def _step(
+        self, front: float, rear: float, growth: Array, direction: int
+    ) -> tuple[float, float, float]:
         """Length and half height of a proven cell, both 0 at a fold; and what reversals in it may hide, m."""
         ahead, behind = growth.tolist()
         window = _WINDOW * self._chord
@@ -300,7 +328,9 @@ class _Branch:
             return 0.0, 0.0, 0.0
         half = min(window, behind / (2 * other))
         room, slope = half * (behind - other * half), abs(ahead) + half
-        step = _SAFE * min(2 * room / (slope + float(np.sqrt(slope**2 + 2 * own * room))), behind / 4, window)
+        step = _SAFE * min(
+            2 * room / (slope + float(np.sqrt(slope**2 + 2 * own * room))), behind / 4, window
+        )
         # For each metre, A changes by no more than `own` and the rear handle's rate. B stays above half of itself less
         # the step, so that rate is at most 8 |A| / B as long as A keeps its sign.
         change = own + 8 * abs(ahead) / behind
@@ -311,12 +341,16 @@ class _Branch:
         # Else |A| is below 2 `change` times the step in it.
         return step, half, 0.0 if step <= certain else 8 * change * step**2 / behind
 
-    def _reversal(self, front: float, other: float, bracket: tuple[float, float]) -> tuple[float, float]:
+    def _reversal(
+        self, front: float, other: float, bracket: tuple[float, float]
+    ) -> tuple[float, float]:
         """Coordinates of both handles where A = 0, between two fronts at which its signs differ."""
         low, high = min(front, other), max(front, other)
         for _ in range(_PASSES):
             fronts = np.linspace(low, high, _SECTIONS)
-            rears = rear_between(self._curve, fronts, self._chord, fronts - bracket[1], fronts - bracket[0])
+            rears = rear_between(
+                self._curve, fronts, self._chord, fronts - bracket[1], fronts - bracket[0]
+            )
             forward = self._growth(fronts, rears)[0] >= 0
             change = int(np.argmax(forward != forward[0]))
             if change == 0:

@@ -68,11 +68,17 @@ class Dragon:
         more = {"body_spacing": 1, "overhang": 0, "width": 0}
         name, benches = "benches", self.benches
         if benches is None:
-            counts = {each: len(getattr(self, each)) + more[each] for each in more if _is_sequence(getattr(self, each))}
+            counts = {
+                each: len(getattr(self, each)) + more[each]
+                for each in more
+                if _is_sequence(getattr(self, each))
+            }
             name, benches = next(iter(counts.items()), (name, _BENCHES))
             name = name if name == "benches" else f"number of benches by {name}"
         object.__setattr__(self, "benches", whole(name, benches, _MIN_BENCHES, _MAX_BENCHES))
-        object.__setattr__(self, "head_spacing", finite("head_spacing", self.head_spacing, *_LENGTHS, "m"))
+        object.__setattr__(
+            self, "head_spacing", finite("head_spacing", self.head_spacing, *_LENGTHS, "m")
+        )
         for name, extra in more.items():
             object.__setattr__(self, name, _sizes(name, getattr(self, name), self.benches - extra))
         # At an end of the chain the bench replaces its missing neighbour.
@@ -83,7 +89,9 @@ class Dragon:
             if isinstance(self.overhang, float):
                 bound = f"less than half the shortest spacing, {self.spacings[i] / 2:g} m"
                 raise ParameterError("overhang", self.overhang, bound)
-            bound = f"together less than the spacing of bench {i} between them, {self.spacings[i]:g} m"
+            bound = (
+                f"together less than the spacing of bench {i} between them, {self.spacings[i]:g} m"
+            )
             raise ParameterError(f"overhang beside bench {i}", beside[[i, i + 2]].tolist(), bound)
 
     @property
@@ -160,7 +168,9 @@ class Dragon:
         count = poses.shape[-2] if poses.ndim > 1 else self.benches + 1
         if count > self.benches or benches not in (None, count):
             number = "at most " * (benches is None) + f"{self.benches}"
-            raise ParameterError(f"the shape of {name}", poses.shape, f"(..., N, 3) of {number} benches")
+            raise ParameterError(
+                f"the shape of {name}", poses.shape, f"(..., N, 3) of {number} benches"
+            )
         return poses
 
 
@@ -188,7 +198,11 @@ def outlines(poses: ArrayLike, lengths: ArrayLike, width: ArrayLike) -> Array:
     >>> outlines([[0, 0, 0]], [2.0], 1.0)[0].tolist()
     [[-1.0, -0.5], [1.0, -0.5], [1.0, 0.5], [-1.0, 0.5]]
     """
-    pose, length, across = numbers("poses", poses, 3), numbers("lengths", lengths), numbers("width", width)
+    pose, length, across = (
+        numbers("poses", poses, 3),
+        numbers("lengths", lengths),
+        numbers("width", width),
+    )
     within("lengths", length, *_SIDES, "m")
     within("width", across, 0.0, MAX_COORDINATE, "m")
     fitting("poses, lengths and width", pose.shape[:-1], length.shape, across.shape)
@@ -218,7 +232,9 @@ def _sizes(name: str, value: Any, count: int) -> _Sizes:
     if not _is_sequence(value):
         return finite(name, value, *_LENGTHS, "m")
     if len(value) != count:
-        bound = "a number from {:g} to {:g} m, or {} of them, one for each bench".format(*_LENGTHS, count)
+        bound = "a number from {:g} to {:g} m, or {} of them, one for each bench".format(
+            *_LENGTHS, count
+        )
         raise ParameterError(name, value, bound)
     return tuple(finite(f"{name}[{i}]", size, *_LENGTHS, "m") for i, size in enumerate(value))
 

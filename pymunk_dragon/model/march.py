@@ -71,14 +71,23 @@ class States(ArrayRecord):
         given = numbers("handles", known if handles is None else handles, kind=int).ravel().tolist()
         chosen = [whole("handles", handle, 0, known[-1]) for handle in given]
         positions, speeds = self.positions[:, chosen].tolist(), self.speeds[:, chosen].tolist()
-        return {"times": self.times.tolist(), "handles": chosen, "positions": positions, "speeds": speeds}
+        return {
+            "times": self.times.tolist(),
+            "handles": chosen,
+            "positions": positions,
+            "speeds": speeds,
+        }
 
-    def rows(self, handles: Sequence[int] | None = None) -> list[tuple[float, int, float, float, float]]:
+    def rows(
+        self, handles: Sequence[int] | None = None
+    ) -> list[tuple[float, int, float, float, float]]:
         """Time, handle, position and speed for every time and each of the `handles` (all by default)."""
         found = self.to_dict(handles)
         return [
             (time, handle, x, y, speed)
-            for time, positions, speeds in zip(found["times"], found["positions"], found["speeds"], strict=True)
+            for time, positions, speeds in zip(
+                found["times"], found["positions"], found["speeds"], strict=True
+            )
             for handle, (x, y), speed in zip(found["handles"], positions, speeds, strict=True)
         ]
 
@@ -86,7 +95,9 @@ class States(ArrayRecord):
         """Table of `rows`, as `positions` prints it."""
         heads = ("t (s)", text("handle"), "x (m)", "y (m)", text("speed (m/s)"))
         # Adding 0 turns the -0.0 of a rounded tiny number into 0.0.
-        rows = [(*row[:2], *(round(value, 6) + 0.0 for value in row[2:])) for row in self.rows(handles)]
+        rows = [
+            (*row[:2], *(round(value, 6) + 0.0 for value in row[2:])) for row in self.rows(handles)
+        ]
         return "\n".join(table(heads, ("10.6g", "6d", "10.6f", "10.6f", "11.6f"), rows))
 
     def __str__(self) -> str:
@@ -163,7 +174,9 @@ class March:
     def _misfit(self, handle: int) -> ParameterError:
         """Error for a march in which a handle has no coordinate at t = 0."""
         if self.turns is None:
-            bound = f"a coordinate with room for the whole dragon behind it: handle {handle} has none"
+            bound = (
+                f"a coordinate with room for the whole dragon behind it: handle {handle} has none"
+            )
             return ParameterError("start_s", self.head_start, bound)
         name = "head_spacing" if handle == 1 else "body_spacing"
         bound = f"short enough for the curve at turn {self.turns:g}: handle {handle} has no coordinate there"
@@ -197,7 +210,10 @@ class March:
 
         Else it begins with the last handle at `start` s, or at 0 s if that has none, and ends with handle 0 at `until`.
         """
-        start, until = (finite(name, time, -np.inf, np.inf, "s") for name, time in (("start", start), ("until", until)))
+        start, until = (
+            finite(name, time, -np.inf, np.inf, "s")
+            for name, time in (("start", start), ("until", until))
+        )
         first, last = self.curve.begin_s, self.curve.end_s
         if first == -np.inf:
             tails = self.motion_or_nan([start, 0.0]).handles_s[:, -1]
@@ -213,7 +229,11 @@ class March:
         if isinstance(speed, SpeedTable):
             return speed
         if callable(speed):
-            raise ParameterError("speed", speed, "a number or a table: SpeedTable.of(function, start, until) makes one")
+            raise ParameterError(
+                "speed",
+                speed,
+                "a number or a table: SpeedTable.of(function, start, until) makes one",
+            )
         return SpeedTable([0.0], [finite("speed", speed, MIN_SPEED, MAX_SPEED, "m/s")])
 
     @cached_property
@@ -251,7 +271,9 @@ class March:
         rates *= self.speed_profile.at(t)[:, None]
         tangents.real *= rates
         tangents.imag *= rates
-        return States(t, handles_s, as_vectors(points), as_vectors(tangents), np.abs(rates, out=rates))
+        return States(
+            t, handles_s, as_vectors(points), as_vectors(tangents), np.abs(rates, out=rates)
+        )
 
     def handles_s(self, times: ArrayLike, handles: int | None = None) -> Array:
         """Arc-length coordinates (T, H) of the handles, m, with the arguments and errors of `at`."""
@@ -267,7 +289,11 @@ class March:
     def motion_or_nan(self, times: ArrayLike, handles: int | None = None) -> ChainMotion:
         """The same, with nan for handles that have no coordinate at a time, and for all behind them."""
         t, travelled = self._travelled(times)
-        number = self.dragon.handles if handles is None else whole("handles", handles, 1, self.dragon.handles)
+        number = (
+            self.dragon.handles
+            if handles is None
+            else whole("handles", handles, 1, self.dragon.handles)
+        )
         heads = self.head_start + travelled
         beyond = heads > self.curve.end_s
         if beyond.any():
@@ -291,7 +317,9 @@ class March:
         bad = ~(np.isfinite(t) & (travelled >= -_MAX_RETREAT))
         if bad.any():
             earliest = float(self.time(-_MAX_RETREAT))
-            raise ParameterError("times", t[bad][0].item(), f"finite numbers, at least {earliest:g} s")
+            raise ParameterError(
+                "times", t[bad][0].item(), f"finite numbers, at least {earliest:g} s"
+            )
         return t, travelled
 
     def _unreachable(self, times: Array, handles_s: Array) -> UnreachableError:
@@ -301,7 +329,9 @@ class March:
         row = affected[times[affected].argmin()]
         handle, begin = int(lost[row].argmax()), self.curve.begin_s
         if handle == 0:
-            word, limit = ("begins", begin) if self.distance(times[row]) < 0 else ("ends", self.curve.end_s)
+            word, limit = (
+                ("begins", begin) if self.distance(times[row]) < 0 else ("ends", self.curve.end_s)
+            )
             reason = f"the curve {word} at t = {float(self.time(limit - self.head_start)):.6g} s"
         else:
             spacing, front = self.dragon.spacings[handle - 1], handles_s[row, handle - 1]
@@ -328,7 +358,9 @@ def checked_times(march: March, start: float, until: float | None) -> tuple[floa
         if march.end == np.inf:
             raise ParameterError("until", None, "a time, s, on a curve without end")
         if start >= march.end:
-            raise ParameterError("start", start, f"earlier than the end of the curve, {march.end:g} s")
+            raise ParameterError(
+                "start", start, f"earlier than the end of the curve, {march.end:g} s"
+            )
         return start, march.end
     until = finite("until", until, -MAX_TIME, MAX_TIME, "s")
     if until <= start:

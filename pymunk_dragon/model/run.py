@@ -26,7 +26,13 @@ from pymunk_dragon._checks import MAX_COORDINATE, finite, instance, instances, n
 from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon._language import text
 from pymunk_dragon.errors import DragonError, FileFormatError, ParameterError
-from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog, contact_text, read_contact
+from pymunk_dragon.model.contact import (
+    Contact,
+    ContactEvent,
+    ContactLog,
+    contact_text,
+    read_contact,
+)
 from pymunk_dragon.model.dragon import Dragon, pose_step
 from pymunk_dragon.model.march import March, check_march
 from pymunk_dragon.model.scenario import Scenario
@@ -122,25 +128,43 @@ class Run(ArrayRecord):
     def __post_init__(self) -> None:
         check_march(self.march)
         times = numbers("times", self.times)
-        if times.ndim != 1 or not (times.size and np.isfinite(times).all() and np.all(np.diff(times) > 0)):
+        if times.ndim != 1 or not (
+            times.size and np.isfinite(times).all() and np.all(np.diff(times) > 0)
+        ):
             raise ParameterError("times", self.times, "finite and rising, one or more")
         if self.pose_velocities is None:
-            object.__setattr__(self, "pose_velocities", _differences(times, numbers("poses", self.poses, 3)))
+            object.__setattr__(
+                self, "pose_velocities", _differences(times, numbers("poses", self.poses, 3))
+            )
         frames, benches = times.size, self.march.dragon.benches
-        shapes = [(frames,), (frames, benches, 3), (frames, benches), (frames, benches, 3), (frames, benches - 1)]
+        shapes = [
+            (frames,),
+            (frames, benches, 3),
+            (frames, benches),
+            (frames, benches, 3),
+            (frames, benches - 1),
+        ]
         for (name, kind), shape in zip(_KINDS.items(), shapes, strict=True):
             if name != "joint_forces" or self.joint_forces is not None:
                 array = numbers(name, getattr(self, name))
                 if array.shape != shape:
-                    raise ParameterError(f"the shape of a run's {name}", array.shape, f"{shape}, as its march has")
+                    raise ParameterError(
+                        f"the shape of a run's {name}", array.shape, f"{shape}, as its march has"
+                    )
                 # The drift is a distance of two poses, or nan where the model has none.
-                limit = {"poses": MAX_COORDINATE, "drift": 3 * MAX_COORDINATE}.get(name, np.finfo(kind).max)
+                limit = {"poses": MAX_COORDINATE, "drift": 3 * MAX_COORDINATE}.get(
+                    name, np.finfo(kind).max
+                )
                 if not ((np.abs(array) <= limit) | (np.isnan(array) & (name == "drift"))).all():
                     raise ParameterError(name, array, f"finite and within {limit:g}")
                 # A copy, because the caller may change the array.
                 object.__setattr__(self, name, read_only(np.array(array, dtype=kind)))
         object.__setattr__(
-            self, "events", ContactLog(instances("events", self.events, ContactEvent, "a sequence of ContactEvents"))
+            self,
+            "events",
+            ContactLog(
+                instances("events", self.events, ContactEvent, "a sequence of ContactEvents")
+            ),
         )
         instance("first_contact", self.first_contact, Contact | NoneType, "a Contact or None")
         for name in ("wall_seconds", "step_seconds"):
@@ -152,7 +176,9 @@ class Run(ArrayRecord):
             # A copy, and lists for tuples, as in a file.
             object.__setattr__(self, "provenance", json.loads(json.dumps(dict(self.provenance))))
         except (TypeError, ValueError) as error:
-            raise ParameterError("provenance", self.provenance, f"a mapping of JSON values ({error})") from error
+            raise ParameterError(
+                "provenance", self.provenance, f"a mapping of JSON values ({error})"
+            ) from error
         for name, value in _attributes(self.provenance, self.march, float(self.times[0])).items():
             object.__setattr__(self, name, value)
 
@@ -166,11 +192,17 @@ class Run(ArrayRecord):
             status = "overlapping" if touch.time <= self.start else self.outcome
             lines = [contact_text(status, touch.benches, touch.point, touch.time)]
         elif self.player == "exact":
-            lines = [text("exact model until t = {t:.6g} s, without a search for contacts").format(t=until)]
+            lines = [
+                text("exact model until t = {t:.6g} s, without a search for contacts").format(
+                    t=until
+                )
+            ]
         else:
             lines = [contact_text(self.outcome, None, None, until)]
         if self.player != "exact":
-            drift = text("drift {head:.3f} mm in the first twelve benches, {largest:.3f} mm anywhere")
+            drift = text(
+                "drift {head:.3f} mm in the first twelve benches, {largest:.3f} mm anywhere"
+            )
             lines.append(drift.format(head=1e3 * self.head_drift, largest=1e3 * self.max_drift))
             if speed := self.to_dict()["realtime_factor"]:
                 lines.append(text("{speed:.1f} times as fast as real time").format(speed=speed))
@@ -258,7 +290,9 @@ class Run(ArrayRecord):
         start, step = self.poses[before], pose_step(self.poses[before], self.poses[after])
         v0, v1 = self.pose_velocities[before], self.pose_velocities[after]
         poses = start + s * s * (3 - 2 * s) * step + h * s * (1 - s) * ((1 - s) * v0 - s * v1)
-        return poses, 6 * s * (1 - s) * step / divisor + (1 - s) * (1 - 3 * s) * v0 + s * (3 * s - 2) * v1
+        return poses, 6 * s * (1 - s) * step / divisor + (1 - s) * (1 - 3 * s) * v0 + s * (
+            3 * s - 2
+        ) * v1
 
     def save(self, path: str | Path | IO[bytes]) -> None:
         """Write the run to a path that ends in .npz, or an open file; an interrupted save leaves the old file or none.
@@ -280,10 +314,17 @@ class Run(ArrayRecord):
             "events": [asdict(event) for event in self.events],
             "provenance": dict(self.provenance),
         }
-        contents: dict[str, Any] = {"notes": np.frombuffer(json.dumps(notes).encode(), dtype=np.uint8)}
-        contents |= {name: getattr(self, name) for name in _KINDS if getattr(self, name) is not None}
+        contents: dict[str, Any] = {
+            "notes": np.frombuffer(json.dumps(notes).encode(), dtype=np.uint8)
+        }
+        contents |= {
+            name: getattr(self, name) for name in _KINDS if getattr(self, name) is not None
+        }
         if isinstance(path, str | Path):
-            with written_in_place(check_destination(path, [".npz"])) as draft, draft.open("wb") as file:
+            with (
+                written_in_place(check_destination(path, [".npz"])) as draft,
+                draft.open("wb") as file,
+            ):
                 np.savez_compressed(file, **contents)
         elif hasattr(path, "write"):
             np.savez_compressed(path, **contents)
@@ -296,14 +337,18 @@ class Run(ArrayRecord):
         with _opened(path) as (notes, stored):
             march = Scenario.from_dict(notes["scenario"], files=False).march()
             first, benches = notes["first_contact"], march.dragon.benches
-            arrays: Any = {name: stored[name] for name in _KINDS if name != "joint_forces" or name in stored}
+            arrays: Any = {
+                name: stored[name] for name in _KINDS if name != "joint_forces" or name in stored
+            }
             for name in arrays:
                 if arrays[name].dtype != _KINDS[name]:
                     raise DragonError(f"its {name} are not of the type {_KINDS[name].__name__}")
             return cls(
                 march=march,
                 **arrays,
-                events=ContactLog(read_contact(ContactEvent, event, benches) for event in notes["events"]),
+                events=ContactLog(
+                    read_contact(ContactEvent, event, benches) for event in notes["events"]
+                ),
                 first_contact=None if first is None else read_contact(Contact, first, benches),
                 outcome=notes["outcome"],
                 provenance=dict(notes["provenance"]),
@@ -329,7 +374,9 @@ def _opened(path: str | Path) -> Iterator[tuple[dict[str, Any], Mapping[str, NDA
             notes = json.loads(archive["notes"].tobytes())
             if (notes["format"], notes["format_version"]) != (_FORMAT, _FORMAT_VERSION):
                 found = f"{notes['format']} {notes['format_version']}"
-                raise DragonError(f"its format is {found}, and this version reads {_FORMAT} {_FORMAT_VERSION}")
+                raise DragonError(
+                    f"its format is {found}, and this version reads {_FORMAT} {_FORMAT_VERSION}"
+                )
             yield notes, archive
     except DragonError as error:
         raise FileFormatError(path, f"a damaged run: {error}") from error
@@ -385,7 +432,9 @@ def _differences(times: Array, poses: Array) -> Array:
         kept.append(times.size - 1)
     poses = poses.copy()
     poses[..., 2] = np.unwrap(poses[..., 2], axis=0)
-    rates: Array = np.gradient(poses[kept], times[kept], axis=0, edge_order=2 if len(kept) > 2 else 1)
+    rates: Array = np.gradient(
+        poses[kept], times[kept], axis=0, edge_order=2 if len(kept) > 2 else 1
+    )
     return rates[np.searchsorted(times[kept], times, side="right") - 1]
 
 

@@ -106,8 +106,14 @@ class Scenario:
             speed = SpeedTable(*numbers("speed", speed, len(speed), 2).T)
         start = {name: values.get(name) for name in ("turns", "start_s")}
         others = {*_DRAGON, *start, "curve", "speed"}
-        given = {name: value for name, value in values.items() if name not in others and value is not None}
-        object.__setattr__(self, "_march", March(dragon, _curve(values.get("curve"), given), **start, speed=speed))
+        given = {
+            name: value
+            for name, value in values.items()
+            if name not in others and value is not None
+        }
+        object.__setattr__(
+            self, "_march", March(dragon, _curve(values.get("curve"), given), **start, speed=speed)
+        )
 
     @classmethod
     def of(cls, march: March) -> Scenario:
@@ -143,7 +149,10 @@ class Scenario:
             if _LONG_KEY.search(content):
                 raise ValueError("a key has more parts than that of any parameter")
             nested = tomllib.loads(content)
-        except (ValueError, RecursionError) as error:  # also of thousands of digits, or of nested brackets
+        except (
+            ValueError,
+            RecursionError,
+        ) as error:  # also of thousands of digits, or of nested brackets
             raise FileFormatError(path, f"no TOML file: {error}") from error
         values = Scenario.flat(nested)
         files = [name for name in ("curve", "speed") if _is_file(values.get(name))]
@@ -174,7 +183,9 @@ class Scenario:
             raise ParameterError("dragon", dragon, "a table with parameters of the dragon")
         for name, value in dragon.items():
             if name not in _DRAGON:
-                raise ParameterError(f"dragon.{name}", value, "absent; known are " + ", ".join(_DRAGON))
+                raise ParameterError(
+                    f"dragon.{name}", value, "absent; known are " + ", ".join(_DRAGON)
+                )
         curve = flat.get("curve")
         if isinstance(curve, Mapping) and set(curve) <= {"kind", *_SHORT}:
             parameters = dict(curve)
@@ -199,8 +210,16 @@ def named_curves() -> list[str]:
 def _tables(march: March) -> dict[str, Any]:
     """What `Scenario.to_dict` returns."""
     speed = march.speed
-    table = tuple(zip(speed.times, speed.speeds, strict=True)) if isinstance(speed, SpeedTable) else speed
-    start = {name: getattr(march, name) for name in ("turns", "start_s") if getattr(march, name) is not None}
+    table = (
+        tuple(zip(speed.times, speed.speeds, strict=True))
+        if isinstance(speed, SpeedTable)
+        else speed
+    )
+    start = {
+        name: getattr(march, name)
+        for name in ("turns", "start_s")
+        if getattr(march, name) is not None
+    }
     return {"dragon": asdict(march.dragon), "curve": march.curve.to_dict(), **start, "speed": table}
 
 
@@ -208,7 +227,9 @@ def _curve(curve: Any, given: Mapping[str, Any]) -> Curve:
     """The curve of a name, a file, a table or a curve, and of the parameters that are given beside it."""
     for name, value in given.items():
         if isinstance(curve, Curve) or (name == "points" and _is_file(curve)):
-            raise ParameterError(name, value, "absent where the curve is one already, or a file of points")
+            raise ParameterError(
+                name, value, "absent where the curve is one already, or a file of points"
+            )
     if isinstance(curve, Curve):
         return curve
     if isinstance(curve, Mapping):
@@ -218,9 +239,7 @@ def _curve(curve: Any, given: Mapping[str, Any]) -> Curve:
     elif curve is None or (isinstance(curve, str) and curve in Curve.kinds):
         table = {"kind": curve or ("sampled" if "points" in given else _DEFAULT_CURVE), **given}
     else:
-        bound = (
-            f"a name, {' or '.join(named_curves())}, a file of points, which ends in {_CSV}, or a table with its kind"
-        )
+        bound = f"a name, {' or '.join(named_curves())}, a file of points, which ends in {_CSV}, or a table with its kind"
         raise ParameterError("curve", curve, bound)
     try:
         return Curve.from_dict(table)

@@ -26,7 +26,12 @@ _HEAD_FORCE = 2.0
 # More sweeps per substep than any chain needs to converge.
 _MAX_ITERATIONS = 100_000
 # Largest values, and units. With the largest drag a body keeps nothing of its velocity in a substep of 10 mm.
-_LIMITS = {"substep": (1e9, "s"), "drag": (1e4, "per metre"), "frame_interval": (1e9, "s"), "head_force": (1e9, "N")}
+_LIMITS = {
+    "substep": (1e9, "s"),
+    "drag": (1e4, "per metre"),
+    "frame_interval": (1e9, "s"),
+    "head_force": (1e9, "N"),
+}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,12 +73,16 @@ class EngineSettings:
     def __post_init__(self) -> None:
         word("contacts", self.contacts, get_args(_Contacts))
         if self.head_force is not None and self.contacts != "resolve":
-            raise ParameterError("head_force", self.head_force, "absent unless contacts are resolved")
+            raise ParameterError(
+                "head_force", self.head_force, "absent unless contacts are resolved"
+            )
         for name, (high, unit) in _LIMITS.items():
             if (value := getattr(self, name)) is not None or name == "drag":
                 object.__setattr__(self, name, positive(name, value, high, unit))
         if self.iterations is not None:
-            object.__setattr__(self, "iterations", whole("iterations", self.iterations, 1, _MAX_ITERATIONS))
+            object.__setattr__(
+                self, "iterations", whole("iterations", self.iterations, 1, _MAX_ITERATIONS)
+            )
 
     def resolved(self, *, top_speed: float, pulled_mass: float) -> EngineSettings:
         """The settings with numbers for `substep`, `iterations` and, where contacts are resolved, for `head_force`.
@@ -84,9 +93,13 @@ class EngineSettings:
         top_speed = positive("top_speed", top_speed, math.inf, "m/s")
         pulled_mass = positive("pulled_mass", pulled_mass, math.inf, "kg")
         resolves, force = self.contacts == "resolve", self.head_force
-        stride, iterations = (_RESOLVE_STRIDE, _RESOLVE_ITERATIONS) if resolves else (_STRIDE, _ITERATIONS)
+        stride, iterations = (
+            (_RESOLVE_STRIDE, _RESOLVE_ITERATIONS) if resolves else (_STRIDE, _ITERATIONS)
+        )
         substep = stride / top_speed if self.substep is None else self.substep
         if force is None and resolves:
             force = _HEAD_FORCE * self.drag * top_speed**2 * pulled_mass
         finite("substep", substep, _MIN_STRIDE / top_speed, MAX_STRIDE / top_speed, "s")
-        return replace(self, substep=substep, iterations=self.iterations or iterations, head_force=force)
+        return replace(
+            self, substep=substep, iterations=self.iterations or iterations, head_force=force
+        )

@@ -49,20 +49,29 @@ class SpeedTable:
     speeds: Sequence[float]
 
     def __post_init__(self) -> None:
-        for name, bounds in (("times", (-MAX_TIME, MAX_TIME, "s")), ("speeds", (MIN_SPEED, MAX_SPEED, "m/s"))):
+        for name, bounds in (
+            ("times", (-MAX_TIME, MAX_TIME, "s")),
+            ("speeds", (MIN_SPEED, MAX_SPEED, "m/s")),
+        ):
             values = numbers(name, getattr(self, name))
             if values.ndim != 1 or not values.size:
                 raise ParameterError(name, getattr(self, name), "a sequence of at least one number")
-            checked = (finite(f"{name}[{i}]", value, *bounds) for i, value in enumerate(values.tolist()))
+            checked = (
+                finite(f"{name}[{i}]", value, *bounds) for i, value in enumerate(values.tolist())
+            )
             object.__setattr__(self, name, tuple(checked))
         if len(self.times) != len(self.speeds):
             raise ParameterError("speeds", self.speeds, f"as many as the times, {len(self.times)}")
         for i in np.flatnonzero(np.diff(self.times) < _MIN_STEP)[:1].tolist():
-            bound = f"later than the time before it, {self.times[i]:g} s, by {_MIN_STEP:g} s or more"
+            bound = (
+                f"later than the time before it, {self.times[i]:g} s, by {_MIN_STEP:g} s or more"
+            )
             raise ParameterError(f"times[{i + 1}]", self.times[i + 1], bound)
 
     @classmethod
-    def of(cls, function: Callable[[float], float], start: float, until: float, step: float = 0.01) -> SpeedTable:
+    def of(
+        cls, function: Callable[[float], float], start: float, until: float, step: float = 0.01
+    ) -> SpeedTable:
         """Table of a function from a time in s to a speed in m/s, with an entry every `step` s from `start` to `until`.
 
         Choose a step in which the speed changes little: the march goes at the speed of the table exactly, which
@@ -75,13 +84,20 @@ class SpeedTable:
         0.908557
         """
         begin = finite("start", start, -MAX_TIME, MAX_TIME, "s")
-        length = positive("until", finite("until", until, -MAX_TIME, MAX_TIME, "s") - begin, np.inf, "s after start")
+        length = positive(
+            "until",
+            finite("until", until, -MAX_TIME, MAX_TIME, "s") - begin,
+            np.inf,
+            "s after start",
+        )
         entries = length / finite("step", step, max(_MIN_STEP, length / _MAX_ENTRIES), length, "s")
         times = np.linspace(begin, begin + length, int(np.ceil(entries)) + 1)
         try:
             speeds = [float(function(time)) for time in times.tolist()]
         except (TypeError, ValueError, ArithmeticError) as error:
-            raise ParameterError("function", function, f"a function from s to m/s ({error})") from error
+            raise ParameterError(
+                "function", function, f"a function from s to m/s ({error})"
+            ) from error
         return cls(times.tolist(), speeds)
 
     @classmethod
@@ -107,7 +123,9 @@ class SpeedTable:
         i = np.maximum(np.searchsorted(times, t, side="right") - 1, 0)
         gone = np.where(np.isfinite(t), t - times[i], 0.0)
         acceleration = np.where(gone < 0, 0.0, accelerations[i])
-        return np.where(np.isfinite(t), distances[i] + gone * (speeds[i] + acceleration * gone / 2), t)
+        return np.where(
+            np.isfinite(t), distances[i] + gone * (speeds[i] + acceleration * gone / 2), t
+        )
 
     def time(self, distance: ArrayLike) -> Array:
         """Times (T,), s, at which a `distance` (T,) in m is reached: the inverse of the method `distance`."""
@@ -126,7 +144,9 @@ class SpeedTable:
         for name, value in (("start", start), ("until", until)):
             if math.isnan(number(value)):
                 raise ParameterError(name, value, "a number, s")
-        return float(np.append(self.at([start, until]), speeds[(start < times) & (times < until)]).max())
+        return float(
+            np.append(self.at([start, until]), speeds[(start < times) & (times < until)]).max()
+        )
 
     @cached_property
     def _knots(self) -> tuple[Array, Array, Array, Array]:
@@ -139,7 +159,9 @@ class SpeedTable:
         steps = np.diff(times) * (speeds[:-1] + speeds[1:]) / 2
         # From time 0 in both directions: a table that begins long before must not add rounding errors near 0.
         zero = int(np.searchsorted(times, 0.0))
-        distances = np.concatenate([-np.cumsum(steps[:zero][::-1])[::-1], [0.0], np.cumsum(steps[zero:])])
+        distances = np.concatenate(
+            [-np.cumsum(steps[:zero][::-1])[::-1], [0.0], np.cumsum(steps[zero:])]
+        )
         return times, speeds, accelerations, distances
 
 

@@ -62,7 +62,9 @@ class Recorder:
     narrowest bench. It is neither logged nor acted on while the benches are apart.
     """
 
-    def __init__(self, world: World, on_event: Callable[[ContactEvent], None] | None = None) -> None:
+    def __init__(
+        self, world: World, on_event: Callable[[ContactEvent], None] | None = None
+    ) -> None:
         self.events: list[ContactEvent] = []
         # Contacts that began in the last step, as at its end.
         self.begun: list[Contact] = []
@@ -71,7 +73,8 @@ class Recorder:
         self.in_engine = False
         self._world, self._on_event, self._time = world, on_event, world.start
         self._benches: dict[pymunk.Shape, tuple[int, pymunk.Body]] = {
-            shape: (bench, body) for bench, (shape, body) in enumerate(zip(world.shapes, world.bodies, strict=True))
+            shape: (bench, body)
+            for bench, (shape, body) in enumerate(zip(world.shapes, world.bodies, strict=True))
         }
         self._narrowest = float(world.march.dragon.widths.min())
         # Pairs whose contact has begun and not ended.
@@ -104,7 +107,9 @@ class Recorder:
             self._log(phase, arbiter)
 
     def _log(self, phase: Phase, arbiter: pymunk.Arbiter) -> None:
-        (first, first_body), (second, second_body) = (self._benches[shape] for shape in arbiter.shapes)
+        (first, first_body), (second, second_body) = (
+            self._benches[shape] for shape in arbiter.shapes
+        )
         swapped = first > second
         benches = (second, first) if swapped else (first, second)
         known = benches in self._touching
@@ -123,8 +128,15 @@ class Recorder:
         if phase == "pre_solve":
             self._earlier[benches] = arbiter.total_impulse
         middle = sum(x for x, _ in points) / len(points), sum(y for _, y in points) / len(points)
-        relative = second_body.velocity_at_world_point(middle) - first_body.velocity_at_world_point(middle)
-        common: dict[str, Any] = {"time": self._time, "benches": benches, "normal": normal, "depth": depth}
+        relative = second_body.velocity_at_world_point(middle) - first_body.velocity_at_world_point(
+            middle
+        )
+        common: dict[str, Any] = {
+            "time": self._time,
+            "benches": benches,
+            "normal": normal,
+            "depth": depth,
+        }
         event = ContactEvent(
             phase=phase,
             points=points,
@@ -145,7 +157,9 @@ class Recorder:
         return _signed(on_first, not swapped)
 
 
-def _manifold(contact: pymunk.ContactPointSet, swapped: bool) -> tuple[tuple[_Vector, ...], _Vector, float]:
+def _manifold(
+    contact: pymunk.ContactPointSet, swapped: bool
+) -> tuple[tuple[_Vector, ...], _Vector, float]:
     """Contact points (m, the deepest first), normal from the lower to the higher bench, and depth (m)."""
     ordered = sorted(contact.points, key=lambda point: point.distance)
     middles = [(point.point_a + point.point_b) / 2 for point in ordered]

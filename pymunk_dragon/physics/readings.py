@@ -32,7 +32,12 @@ _ROTARY = (
 _SPRINGS = pymunk.DampedSpring, pymunk.DampedRotarySpring
 # What is read of each pair in contact: two vectors, four points, and four whole numbers.
 _VECTORS = ArbiterFields.TOTAL_IMPULSE | ArbiterFields.NORMAL
-_POINTS = ArbiterFields.POINT_A_1 | ArbiterFields.POINT_B_1 | ArbiterFields.POINT_A_2 | ArbiterFields.POINT_B_2
+_POINTS = (
+    ArbiterFields.POINT_A_1
+    | ArbiterFields.POINT_B_1
+    | ArbiterFields.POINT_A_2
+    | ArbiterFields.POINT_B_2
+)
 _BODIES = ArbiterFields.BODY_A_ID | ArbiterFields.BODY_B_ID
 _FLAGS = ArbiterFields.IS_FIRST_CONTACT | ArbiterFields.CONTACT_COUNT
 _PAIR = _VECTORS | _POINTS | _BODIES | _FLAGS
@@ -41,7 +46,11 @@ _EARLIER = ArbiterFields.TOTAL_IMPULSE | _BODIES | _FLAGS
 # Pairs of shapes between the same two bodies that are told apart.
 _MOST_PAIRS = 1024
 # Quantities of any space by their titles in charts, and the kinds of their units.
-QUANTITIES = {"Kinetic energy": "energy", "Kinetic and potential energy": "energy", "Momentum": "impulse"}
+QUANTITIES = {
+    "Kinetic energy": "energy",
+    "Kinetic and potential energy": "energy",
+    "Momentum": "impulse",
+}
 
 
 def units(length: str) -> dict[str, str]:
@@ -49,7 +58,12 @@ def units(length: str) -> dict[str, str]:
     if length == "m":
         return {"force": "N", "torque": "N m", "impulse": "N s", "energy": "J"}
     energy = f"kg {length}²/s²"
-    return {"force": f"kg {length}/s²", "torque": energy, "impulse": f"kg {length}/s", "energy": energy}
+    return {
+        "force": f"kg {length}/s²",
+        "torque": energy,
+        "impulse": f"kg {length}/s",
+        "energy": energy,
+    }
 
 
 class Readings:
@@ -110,7 +124,9 @@ class JointForces:
         before, self._length = self._space.current_time_step, length
         if length in (0.0, before):
             # The impulses of a joint that sleeps are still those of an earlier step.
-            self._missing = {joint: missing for joint, missing in self._missing.items() if _sleeps(joint)}
+            self._missing = {
+                joint: missing for joint, missing in self._missing.items() if _sleeps(joint)
+            }
         else:
             ratio = length / before if before else 0.0
             joints = self._space.constraints
@@ -131,7 +147,9 @@ class JointForces:
         """Impulse of a joint in the last step."""
         missing = self._missing.get(joint, 0.0)
         # A joint that is within its limits begins with an impulse of 0.
-        return 0.0 if missing and joint.impulse == 0 and _is_loose(joint) else joint.impulse + missing
+        return (
+            0.0 if missing and joint.impulse == 0 and _is_loose(joint) else joint.impulse + missing
+        )
 
     def rows(self, joints: Sequence[pymunk.Constraint]) -> Array:
         """Rows (J, 6) of the two ends of joints, of the sizes, and of 1 where that is a torque."""
@@ -165,10 +183,14 @@ def _ends(joints: Sequence[pymunk.Constraint]) -> Array:
 def _end(joint: pymunk.Constraint, side: str) -> pymunk.Vec2d:
     """End of a joint on body "a" or "b" in the world: an anchor, or the position of the body."""
     body: pymunk.Body = getattr(joint, side)
-    return body.local_to_world(getattr(joint, f"anchor_{side}", getattr(joint, f"groove_{side}", (0.0, 0.0))))
+    return body.local_to_world(
+        getattr(joint, f"anchor_{side}", getattr(joint, f"groove_{side}", (0.0, 0.0)))
+    )
 
 
-def joint_at(joints: Sequence[pymunk.Constraint], x: float, y: float, slip: float) -> pymunk.Constraint:
+def joint_at(
+    joints: Sequence[pymunk.Constraint], x: float, y: float, slip: float
+) -> pymunk.Constraint:
     """The joint whose line passes nearest to a point, if that is within `slip`."""
     rows, point = _ends(joints), complex(x, y)
     begin, along = as_complex(rows[:, :2]), as_complex(rows[:, 2:] - rows[:, :2])
@@ -220,7 +242,9 @@ class Contacts:
         normals = pairs[:, 2:4] * self._signs(flags)[:, None]
         points = (pairs[:, 4:6] + pairs[:, 6:8]) / 2, (pairs[:, 8:10] + pairs[:, 10:12]) / 2
         first = np.column_stack([points[0], normals, impulses])
-        second = np.column_stack([points[1], normals, np.full_like(impulses, NO_ARROW)])[flags[:, 3] > 1]
+        second = np.column_stack([points[1], normals, np.full_like(impulses, NO_ARROW)])[
+            flags[:, 3] > 1
+        ]
         return np.vstack([first, second])
 
     def _read(self, fields: ArbiterFields) -> tuple[Array, Any]:
@@ -245,7 +269,9 @@ class Contacts:
     def _signs(self, flags: Any) -> Array:
         """1 for pairs (P,) whose first body is the older one, otherwise -1."""
         ages = {body.id: age for age, body in enumerate(self._space.bodies)}
-        first, second = ([ages.get(number, -1) for number in flags[:, side].tolist()] for side in (0, 1))
+        first, second = (
+            [ages.get(number, -1) for number in flags[:, side].tolist()] for side in (0, 1)
+        )
         return np.where(np.less_equal(first, second), 1.0, -1.0)
 
     def _impulses(self, pairs: Array, flags: Any) -> Array:
@@ -261,7 +287,9 @@ class Contacts:
                 break
             place, found = _matches(flags, earlier_flags)
             found &= wanted
-            vectors[found] += (shares[found, None] - 1) * _vectors(earlier, earlier_flags)[place[found]]
+            vectors[found] += (shares[found, None] - 1) * _vectors(earlier, earlier_flags)[
+                place[found]
+            ]
             # Pairs that go on are those of the step before.
             wanted &= begins & ~found
         return np.asarray(np.hypot(*vectors.T))
@@ -333,7 +361,9 @@ class Touches:
 
 def _touching(space: pymunk.Space) -> set[frozenset[pymunk.Shape]]:
     """Pairs of shapes that touch."""
-    apart = {frozenset((joint.a, joint.b)) for joint in space.constraints if not joint.collide_bodies}
+    apart = {
+        frozenset((joint.a, joint.b)) for joint in space.constraints if not joint.collide_bodies
+    }
     found = set()
     for shape in space.shapes:
         body = shape.body
@@ -422,9 +452,15 @@ def _kinetic_energy(body: pymunk.Body) -> float:
 
 def _elastic_energy(joint: pymunk.Constraint) -> float:
     """Energy that a joint stores; only springs do."""
-    if isinstance(joint, pymunk.DampedSpring) and joint.force_func == pymunk.DampedSpring.spring_force:
+    if (
+        isinstance(joint, pymunk.DampedSpring)
+        and joint.force_func == pymunk.DampedSpring.spring_force
+    ):
         offset = _end(joint, "a").get_distance(_end(joint, "b")) - joint.rest_length
-    elif isinstance(joint, pymunk.DampedRotarySpring) and joint.torque_func == pymunk.DampedRotarySpring.spring_torque:
+    elif (
+        isinstance(joint, pymunk.DampedRotarySpring)
+        and joint.torque_func == pymunk.DampedRotarySpring.spring_torque
+    ):
         offset = joint.a.angle - joint.b.angle - joint.rest_angle
     else:
         return 0.0

@@ -102,7 +102,9 @@ def simulate(
             function(name, given)
     loop = _Loop(world, Recorder(world, on_event))
     loop.play(until, progress)
-    times, poses, velocities, forces = (np.array(values) for values in zip(*loop.frames, strict=True))
+    times, poses, velocities, forces = (
+        np.array(values) for values in zip(*loop.frames, strict=True)
+    )
     return Run(
         march=march,
         times=times,
@@ -189,16 +191,22 @@ class _Loop:
         world, substep = self._world, times[1] - times[0]
         moved = pose_step(before, world.collided_poses)
         motion = Motion(before, substep * velocities, moved - substep * velocities)
-        begun = [motion.refined(world.march.dragon, contact, times[0]) for contact in self.recorder.begun]
+        begun = [
+            motion.refined(world.march.dragon, contact, times[0]) for contact in self.recorder.begun
+        ]
         self.first_contact = min(begun, key=lambda contact: contact.time)
         if world.settings.contacts == "stop":
             share = (self.first_contact.time - times[0]) / substep
-            self._record(self.first_contact.time, motion.poses(share), motion.rates(share) / substep)
+            self._record(
+                self.first_contact.time, motion.poses(share), motion.rates(share) / substep
+            )
 
     def _record(self, time: float, poses: Array, velocities: Array) -> None:
         """Keep a frame, if it is not the last one again."""
         if not np.all(np.isfinite(poses) & np.isfinite(velocities)):
-            raise DragonError(f"the chain flew apart before t = {time:.6g} s; a smaller substep may hold it")
+            raise DragonError(
+                f"the chain flew apart before t = {time:.6g} s; a smaller substep may hold it"
+            )
         if not self.frames or time > self.frames[-1][0]:
             self.frames.append((time, poses, velocities, self._world.joint_forces))
 
@@ -245,4 +253,6 @@ def _provenance(world: World, until: float, substeps: int) -> dict[str, Any]:
 
 def _guide_name(guide: PathGuide) -> str:
     """Name under which a guide is registered, otherwise that of its class."""
-    return next((name for name, kind in GUIDES.items() if kind is type(guide)), type(guide).__name__)
+    return next(
+        (name for name, kind in GUIDES.items() if kind is type(guide)), type(guide).__name__
+    )

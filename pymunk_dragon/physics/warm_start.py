@@ -20,7 +20,9 @@ _HEAVY = 1e30
 _REGULARISATION = 1e-14
 
 
-def _balanced_impulses(joints: _Joints, poses: Array, velocities: Array, inverse_masses: Array) -> list[Array]:
+def _balanced_impulses(
+    joints: _Joints, poses: Array, velocities: Array, inverse_masses: Array
+) -> list[Array]:
     """Impulses that leave no relative velocity at the joints: x and y of each pivot's, one number for each pin, N s.
 
     `poses` (N, 3) and `velocities` (N, 3) without the joints are in m, m, rad and per s. `inverse_masses` (N, 3) are
@@ -35,7 +37,12 @@ def _balanced_impulses(joints: _Joints, poses: Array, velocities: Array, inverse
         front = np.zeros((2 + len(pins), 3))
         front[:2] = -_anchor_rows(poses[bench - 1], pivot.anchor_a)
         uppers.append(own * masses_before @ front.T)
-        own = np.vstack([_anchor_rows(poses[bench], pivot.anchor_b), *(_pin_row(poses[bench], pin) for pin in pins)])
+        own = np.vstack(
+            [
+                _anchor_rows(poses[bench], pivot.anchor_b),
+                *(_pin_row(poses[bench], pin) for pin in pins),
+            ]
+        )
         diagonal = own * masses @ own.T + front * masses_before @ front.T
         diagonals.append(diagonal + _REGULARISATION * diagonal.max() * np.eye(len(diagonal)))
         rights.append(-(own @ velocities[bench] + front @ velocities[bench - 1]))
@@ -68,7 +75,12 @@ def _pin_row(pose: Array, pin: pymunk.PinJoint) -> Array:
 
 
 def set_impulses(
-    space: pymunk.Space, substep: float, joints: _Joints, poses: Array, velocities: Array, inverse_masses: Array
+    space: pymunk.Space,
+    substep: float,
+    joints: _Joints,
+    poses: Array,
+    velocities: Array,
+    inverse_masses: Array,
 ) -> None:
     """Give the joints the impulses in balance, with which the solver begins the next step of `substep` s.
 
@@ -109,7 +121,9 @@ def _pull(substep: float, joints: _Joints, poses: Array, impulses: Sequence[Arra
         _place(pivot.b, pose, velocity, substep)
         for pin, impulse in zip(pins, given[2:], strict=True):
             pin.max_force = abs(impulse) / substep
-            pin.b.velocity = pymunk.Vec2d(*(velocity + _pin_row(pose, pin)[:2] * math.copysign(1.0, impulse)))
+            pin.b.velocity = pymunk.Vec2d(
+                *(velocity + _pin_row(pose, pin)[:2] * math.copysign(1.0, impulse))
+            )
 
 
 def _place(body: pymunk.Body, pose: Array, velocity: Array, substep: float) -> None:

@@ -126,7 +126,9 @@ class World:
         dragon = march.dragon
         self.masses = _AREA_DENSITY * dragon.lengths * dragon.widths
         sizes = list(zip(dragon.lengths.tolist(), dragon.widths.tolist(), strict=True))
-        moments = [pymunk.moment_for_box(mass, size) for mass, size in zip(self.masses, sizes, strict=True)]
+        moments = [
+            pymunk.moment_for_box(mass, size) for mass, size in zip(self.masses, sizes, strict=True)
+        ]
         self.moments = np.array(moments)
 
         self.space = pymunk.Space()
@@ -183,7 +185,9 @@ class World:
         self.drag_rate = self.settings.drag * self.top_speed
         self.space.damping = math.exp(-self.drag_rate)
         # The motors turn the head with half its length times this force.
-        for motor, arm in zip(self._motors, (1.0, float(self.march.dragon.lengths[0]) / 2), strict=False):
+        for motor, arm in zip(
+            self._motors, (1.0, float(self.march.dragon.lengths[0]) / 2), strict=False
+        ):
             motor.max_force = arm * (self.settings.head_force or 0.0)
 
     def _add_bodies(self) -> None:
@@ -265,7 +269,9 @@ class World:
         self._buffers.poses[:] = given
         self._send(given + self.substep * self.velocities, states, row, share)
 
-    def follow(self, lag: float, braking: float, speed: float = 1.0, *, recovers: bool = False) -> bool:
+    def follow(
+        self, lag: float, braking: float, speed: float = 1.0, *, recovers: bool = False
+    ) -> bool:
         """Prepare a step of a march that waits while the head cannot follow; whether the curve goes on so far.
 
         Where the head is `lag` widths off, the march loses a share `braking` of its speed in a
@@ -276,7 +282,10 @@ class World:
         braking = finite("braking", braking, 0.0, _MAX_BRAKING, "per metre")
         speed = finite("speed", speed, 0.0, _MAX_SPEEDUP, "")
         recovers = flag("recovers", recovers)
-        distance = self._control.position.get_distance(self.bodies[0].position) / self.march.dragon.widths.min()
+        distance = (
+            self._control.position.get_distance(self.bodies[0].position)
+            / self.march.dragon.widths.min()
+        )
         change = -braking if distance > lag else braking / 10
         self.share = min(max(self.share + change * self.top_speed * self.substep, 0.0), 1.0)
         share = self.share * speed
@@ -291,8 +300,12 @@ class World:
         if share == 0 and recovers:
             # A motor alone would push a long chain back along its path for minutes.
             x, y, angle = states.poses[0, 0].tolist()
-            ahead = (self.bodies[0].position - (x, y)).dot(pymunk.Vec2d.from_polar(1, angle)) / self.top_speed
-            self.time = min(max(self.time + _RECOVERING * self.substep * ahead, self.start), self.march.end)
+            ahead = (self.bodies[0].position - (x, y)).dot(
+                pymunk.Vec2d.from_polar(1, angle)
+            ) / self.top_speed
+            self.time = min(
+                max(self.time + _RECOVERING * self.substep * ahead, self.start), self.march.end
+            )
         if self.returning:
             exact = self.march.at(self.time)
             if self._dancers.carry(exact, share, self.poses, self.substep):
@@ -422,4 +435,6 @@ def _check_free_from(guide: PathGuide, march: March) -> None:
 def _check_parts(guide: PathGuide, member: str, value: object, kind: type) -> None:
     """Raise a ParameterError if `value` of a guide's `member` is no list or tuple of objects of the `kind`."""
     if not (isinstance(value, list | tuple) and all(isinstance(part, kind) for part in value)):
-        raise ParameterError(f"{type(guide).__name__}.{member}", value, f"a list or tuple of pymunk.{kind.__name__}")
+        raise ParameterError(
+            f"{type(guide).__name__}.{member}", value, f"a list or tuple of pymunk.{kind.__name__}"
+        )

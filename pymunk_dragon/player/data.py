@@ -52,7 +52,9 @@ def player_data(summary: Summary) -> tuple[dict[str, Any], dict[str, str]]:
     positions, position_error = _pack_handles(dragon.holes(run.poses), STEP * narrowest)
     interval = float(np.median(np.diff(run.times))) if len(run.times) > 1 else 1.0
     step = positions[0]["step"] * _VELOCITY_STEP / interval
-    velocities, velocity_error = _pack_handles(dragon.hole_velocities(run.poses, run.pose_velocities), step)
+    velocities, velocity_error = _pack_handles(
+        dragon.hole_velocities(run.poses, run.pose_velocities), step
+    )
     # The exact model's near misses do not apply to benches that nothing holds on the path.
     near_misses = () if run.free_from is not None else summary.near_misses or ()
     packed: dict[str, _Packed] = {
@@ -92,7 +94,13 @@ def pack(vectors: Array, step: float, *, from_zero: bool = False) -> _Packed:
     planes = np.ascontiguousarray(folded).view(np.uint8).reshape(-1, 4).T
     text = b64encode(zlib.compress(planes.tobytes(), 9)).decode("ascii")
     frames, points = vectors.shape[:2]
-    return {"frames": frames, "points": points, "origin": origin.tolist(), "step": step, "order": _ORDER}, text
+    return {
+        "frames": frames,
+        "points": points,
+        "origin": origin.tolist(),
+        "step": step,
+        "order": _ORDER,
+    }, text
 
 
 def _handle_vectors(front: Array, rear: Array) -> Array:
@@ -109,7 +117,14 @@ def _contact_windows(run: Run) -> list[dict[str, Any]]:
     """
     windows, first = [asdict(window) for window in run.events.windows()], run.first_contact
     if first is not None:
-        its = next((each for each in windows if each["benches"] == first.benches and each["begin"] >= first.time), {})
+        its = next(
+            (
+                each
+                for each in windows
+                if each["benches"] == first.benches and each["begin"] >= first.time
+            ),
+            {},
+        )
         if not its:
             windows.append(its)
         its |= {"benches": first.benches, "begin": first.time, "end": its.get("end")}
@@ -149,7 +164,9 @@ def _exact_offsets(run: Run) -> Array | None:
     except UnreachableError:
         return None
     dragon, poses = run.march.dragon, run.poses[:known]
-    same = np.allclose(position_errors(dragon, poses, exact), run.drift[:known], rtol=1e-6, atol=_ROUNDING)
+    same = np.allclose(
+        position_errors(dragon, poses, exact), run.drift[:known], rtol=1e-6, atol=_ROUNDING
+    )
     return exact - _handle_vectors(*dragon.holes(poses)) if same and known else None
 
 

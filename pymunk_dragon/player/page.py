@@ -18,7 +18,17 @@ from pymunk_dragon.web.page import catalogue, document
 
 PLAYER_ENDINGS = (".html",)
 # The player's own scripts; each uses only those before it.
-_SCRIPTS = ("decode", "motion", "exact", "picture", "timeline", "link", "player", "controls", "main")
+_SCRIPTS = (
+    "decode",
+    "motion",
+    "exact",
+    "picture",
+    "timeline",
+    "link",
+    "player",
+    "controls",
+    "main",
+)
 
 
 def write_player(run: Run, path: str | Path, *, title: str | None = None) -> None:
@@ -102,7 +112,11 @@ def _texts_of(summary: Summary, code: str) -> list[str]:
     """Texts about the run in a language: headline, subtitle and provenance."""
     with in_language(code):
         tables = provenance(summary).tables.items()
-        facts = [text for heading, table in tables for text in (heading, *chain.from_iterable(table.rows))]
+        facts = [
+            text
+            for heading, table in tables
+            for text in (heading, *chain.from_iterable(table.rows))
+        ]
         return [headline(summary), subtitle(summary), *facts]
 
 
@@ -111,6 +125,9 @@ def _provenance_html(summary: Summary) -> str:
     """Provenance of the run, as in reports."""
     html = ""
     for heading, table in provenance(summary).tables.items():
-        rows = "".join(f"<div><dt>{escape(name)}</dt><dd>{escape(value)}</dd></div>" for name, value in table.rows)
+        rows = "".join(
+            f"<div><dt>{escape(name)}</dt><dd>{escape(value)}</dd></div>"
+            for name, value in table.rows
+        )
         html += f"<div><h3>{escape(heading)}</h3><dl>{rows}</dl></div>"
     return html

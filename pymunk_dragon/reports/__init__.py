@@ -19,4 +19,12 @@ from pymunk_dragon.reports.contest_tables import paper_tables, write_contact_tab
 from pymunk_dragon.reports.formats import FORMATS, report
 from pymunk_dragon.reports.summary import Summary, summarize
 
-__all__ = ["FORMATS", "Summary", "paper_tables", "report", "summarize", "write_contact_table", "write_tables"]
+__all__ = [
+    "FORMATS",
+    "Summary",
+    "paper_tables",
+    "report",
+    "summarize",
+    "write_contact_table",
+    "write_tables",
+]

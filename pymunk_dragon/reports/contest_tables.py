@@ -45,7 +45,9 @@ def write_tables(march: March, times: ArrayLike, path: str | Path) -> None:
     check_march(march)
     t = numbers("times", times).ravel()
     if not 1 <= t.size < _MAX_COLUMNS:
-        raise ParameterError("times", t.size, f"1 to {_MAX_COLUMNS - 1} of them, as many as a sheet has columns")
+        raise ParameterError(
+            "times", t.size, f"1 to {_MAX_COLUMNS - 1} of them, as many as a sheet has columns"
+        )
     states = march.at(t)
     names = _handle_names(march.dragon.handles)
     labels = [f"{time + 0.0:.12g} s" for time in t.tolist()]
@@ -95,7 +97,9 @@ def _handle_names(handles: int) -> list[str]:
     return [_HEAD, *(_BODY.format(i) for i in range(1, handles - 2)), _TAIL, _LAST]
 
 
-def _write_sheets(destination: Path, sheets: Mapping[str, tuple[Sequence[str], Sequence[str], Array]]) -> None:
+def _write_sheets(
+    destination: Path, sheets: Mapping[str, tuple[Sequence[str], Sequence[str], Array]]
+) -> None:
     """Write worksheets (labels of columns, labels of rows, values) as a workbook with reproducible bytes."""
     xlsxwriter = library("xlsxwriter")
     # A `ZipFile` that cannot write its end when it is deleted prints an error; to memory it can.
@@ -107,7 +111,10 @@ def _write_sheets(destination: Path, sheets: Mapping[str, tuple[Sequence[str], S
             with xlsxwriter.Workbook(content, options) as book:
                 book.set_properties({"created": _CREATED, "author": "pymunk_dragon"})
                 for title, (labels, names, values) in sheets.items():
-                    sheet, number = book.add_worksheet(title), book.add_format({"num_format": "0.000000"})
+                    sheet, number = (
+                        book.add_worksheet(title),
+                        book.add_format({"num_format": "0.000000"}),
+                    )
                     # Characters, enough for the longest name and value.
                     sheet.set_column(0, 0, 18)
                     sheet.set_column(1, len(labels), 11)
@@ -129,8 +136,12 @@ def _truncated(value: float) -> str:
     return f"{math.trunc(1000 * (value + math.copysign(_ROUNDING_TOLERANCE, value))) / 1000:.3f}"
 
 
-def _text_table(title: str, labels: Sequence[str], names: Sequence[object], rows: Array) -> list[str]:
+def _text_table(
+    title: str, labels: Sequence[str], names: Sequence[object], rows: Array
+) -> list[str]:
     """Lines of a text table with truncated values."""
-    cells = [[str(name), *map(_truncated, row)] for name, row in zip(names, rows.tolist(), strict=True)]
+    cells = [
+        [str(name), *map(_truncated, row)] for name, row in zip(names, rows.tolist(), strict=True)
+    ]
     formats = (">8", *(f">{max(10, width(label))}" for label in labels))
     return [title, *table((text("handle"), *labels), formats, cells), ""]

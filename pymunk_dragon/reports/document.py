@@ -16,18 +16,33 @@ _MISSING = "\u2013"
 # Rows of a table: more would not be read, and 1000 rows already are half a megabyte of HTML.
 _MAX_ROWS = 1000
 # Names of curves in sentences; others appear under their kind, or the name of their class.
-_CURVES = {"Spiral": "spiral", "UTurn": "U-turn", "Sampled": "smooth path", "Composite": "path of several pieces"}
+_CURVES = {
+    "Spiral": "spiral",
+    "UTurn": "U-turn",
+    "Sampled": "smooth path",
+    "Composite": "path of several pieces",
+}
 _CURVES |= {"Line": "straight line", "Arc": "circular arc"}
 # The sizes of a curve in sentences, and the players.
-_SIZES = {"pitch": ", pitch {size} m", "radius": ", in a circle of {size} m", "length": " of {size} m"}
-_PLAYERS = {"pymunk": "played by Pymunk", "exact": "played by the exact model", None: "of an unknown player"}
+_SIZES = {
+    "pitch": ", pitch {size} m",
+    "radius": ", in a circle of {size} m",
+    "length": " of {size} m",
+}
+_PLAYERS = {
+    "pymunk": "played by Pymunk",
+    "exact": "played by the exact model",
+    None: "of an unknown player",
+}
 # Below the tables of a report.
 NOTE = (
     "Metres, seconds and radians; x to the right, y up. A normal points from the first bench to the second; "
     "relative velocities and impulses are those of the second bench."
 )
 # Units of parameters and settings, where they have one.
-_UNITS = dict.fromkeys(("head_spacing", "body_spacing", "overhang", "width", "pitch", "radius", "length"), " m")
+_UNITS = dict.fromkeys(
+    ("head_spacing", "body_spacing", "overhang", "width", "pitch", "radius", "length"), " m"
+)
 _UNITS |= dict.fromkeys(("start", "until", "substep", "frame_interval"), " s")
 _UNITS |= {"start_s": " m", "drag": " 1/m", "head_force": " N"}
 
@@ -100,29 +115,53 @@ def sections(summary: Summary) -> list[Section]:
         text("benches"): lambda window: _pair(window.benches),
         text("from (s)"): lambda window: _number(window.begin, 4),
         text("to (s)"): lambda window: _number(window.end, 4),
-        text("for (s)"): lambda window: _number(None if window.end is None else window.end - window.begin, 4),
+        text("for (s)"): lambda window: _number(
+            None if window.end is None else window.end - window.begin, 4
+        ),
     }
     events: _Cells[ContactEvent] = {
         text("time (s)"): lambda event: _number(event.time, 4),
         text("phase"): lambda event: event.phase,
         text("benches"): lambda event: _pair(event.benches),
-        text("points (m)"): lambda event: " ".join(_vector(point, 3) for point in event.points) or _MISSING,
+        text("points (m)"): lambda event: (
+            " ".join(_vector(point, 3) for point in event.points) or _MISSING
+        ),
         text("normal"): lambda event: _vector(event.normal, 3),
         text("depth (mm)"): lambda event: _number(event.depth, 3, scale=1e3),
         text("relative velocity (m/s)"): lambda event: _vector(event.relative_velocity, 3),
         text("impulse (N s)"): lambda event: _vector(event.impulse, 4),
     }
-    near = text("Small local minima of the distance between benches that are not neighbours, in the exact model.")
-    times = text("Pairs of benches in contact in the engine, at ends of substeps; without an end: to the last one.")
-    error = text("Distance of a bench's hole from the exact model's position, for the hole with the larger distance.")
+    near = text(
+        "Small local minima of the distance between benches that are not neighbours, in the exact model."
+    )
+    times = text(
+        "Pairs of benches in contact in the engine, at ends of substeps; without an end: to the last one."
+    )
+    error = text(
+        "Distance of a bench's hole from the exact model's position, for the hole with the larger distance."
+    )
     calls = text("Collision callbacks of the engine, in the order in which they came: {count}.")
     log = summary.run.events
     return [
-        Section("first-contact", text("First contact"), _comparison(summary), _contact(summary.run.first_contact)),
-        Section("near-misses", text("Near misses"), near, _table(summary.near_misses or (), near_misses, left=(1,))),
-        Section("windows", text("Contact windows"), times, _table(log.windows(), windows, left=(0,))),
+        Section(
+            "first-contact",
+            text("First contact"),
+            _comparison(summary),
+            _contact(summary.run.first_contact),
+        ),
+        Section(
+            "near-misses",
+            text("Near misses"),
+            near,
+            _table(summary.near_misses or (), near_misses, left=(1,)),
+        ),
+        Section(
+            "windows", text("Contact windows"), times, _table(log.windows(), windows, left=(0,))
+        ),
         Section("drift", text("Position error"), error, {"": Table(_drift(summary))}),
-        Section("events", text("Events"), calls.format(count=len(log)), _table(log, events, left=(1, 2))),
+        Section(
+            "events", text("Events"), calls.format(count=len(log)), _table(log, events, left=(1, 2))
+        ),
         provenance(summary),
     ]
 
@@ -131,9 +170,15 @@ def provenance(summary: Summary) -> Section:
     """Scenario, settings and versions of the run, under their names in Python and with all digits."""
     scenario = summary.scenario | {"speed": _speed(summary.scenario["speed"])}
     versions = json_values(summary.run.versions) | {text("report format"): VERSION}
-    groups = {text("Scenario"): scenario, text("Settings"): summary.settings, text("Versions"): versions}
+    groups = {
+        text("Scenario"): scenario,
+        text("Settings"): summary.settings,
+        text("Versions"): versions,
+    }
     tables = {
-        title: Table([(name, _value(value) + _UNITS.get(name, "")) for name, value in group.items()])
+        title: Table(
+            [(name, _value(value) + _UNITS.get(name, "")) for name, value in group.items()]
+        )
         for title, group in groups.items()
         if group
     }
@@ -192,7 +237,9 @@ def _contact(contact: Contact | None) -> dict[str, Table]:
     return {"": Table(rows if contact.depth else rows[:4])}
 
 
-def _table(entries: Sequence[_Entry], cells: _Cells[_Entry], left: Sequence[int]) -> dict[str, Table]:
+def _table(
+    entries: Sequence[_Entry], cells: _Cells[_Entry], left: Sequence[int]
+) -> dict[str, Table]:
     """Table with a row for each entry, up to `_MAX_ROWS`, and a column for each of `cells`."""
     rows, note = [[cell(entry) for cell in cells.values()] for entry in entries[:_MAX_ROWS]], ""
     if len(entries) > _MAX_ROWS:
@@ -248,4 +295,8 @@ def _size(value: float) -> str:
 
 def _vector(value: Sequence[float] | None, decimals: int) -> str:
     """A point or a direction as `(x, y)`."""
-    return _MISSING if value is None else "(" + ", ".join(_number(part, decimals) for part in value) + ")"
+    return (
+        _MISSING
+        if value is None
+        else "(" + ", ".join(_number(part, decimals) for part in value) + ")"
+    )

@@ -27,8 +27,23 @@ from pymunk_dragon.web.html import asset, data_address, filled
 
 # Characters with a meaning in Markdown, embedded HTML or GitHub's dialect.
 _MARKUP = re.compile(r"[\\`*_{}\[\]<>|&~$#@!]")
-_CSV_COLUMNS = ["time_s", "what", "bench_i", "bench_j", "point1_x_m", "point1_y_m", "point2_x_m", "point2_y_m"]
-_CSV_COLUMNS += ["normal_x", "normal_y", "depth_m", "relative_velocity_x_m_s", "relative_velocity_y_m_s"]
+_CSV_COLUMNS = [
+    "time_s",
+    "what",
+    "bench_i",
+    "bench_j",
+    "point1_x_m",
+    "point1_y_m",
+    "point2_x_m",
+    "point2_y_m",
+]
+_CSV_COLUMNS += [
+    "normal_x",
+    "normal_y",
+    "depth_m",
+    "relative_velocity_x_m_s",
+    "relative_velocity_y_m_s",
+]
 _CSV_COLUMNS += ["impulse_x_N_s", "impulse_y_N_s", "gap_m"]
 # Pixels: width and height of a still, twice the displayed size for screens with a pixel ratio of two.
 _STILL_SIZE = 880
@@ -84,7 +99,10 @@ def _csv_text(summary: Summary) -> str:
 
 def _markdown(summary: Summary) -> str:
     """Report as Markdown with GitHub's tables."""
-    parts = [f"# {_escaped(document.headline(summary))}", _escaped(document.subtitle(summary) + text("."))]
+    parts = [
+        f"# {_escaped(document.headline(summary))}",
+        _escaped(document.subtitle(summary) + text(".")),
+    ]
     for section in document.sections(summary):
         parts += [f"## {section.title}", _escaped(section.note)]
         for heading, table in section.tables.items():
@@ -95,7 +113,12 @@ def _markdown(summary: Summary) -> str:
 def _html(summary: Summary) -> str:
     """Report as one HTML document without network access or scripts; all values are escaped."""
     pictures = [(caption, data_address(png, "image/png")) for caption, png in _stills(summary.run)]
-    shown = {"document": document, "summary": summary, "pictures": pictures, "chart": _chart(summary.run)}
+    shown = {
+        "document": document,
+        "summary": summary,
+        "pictures": pictures,
+        "chart": _chart(summary.run),
+    }
     shown["colours"] = asset("pymunk_dragon.web", "assets/colours.css")
     return filled(__package__, "report.html.j2", language=language(), text=text, **shown)
 
@@ -113,7 +136,9 @@ def _csv_row(what: str, entry: Mapping[str, Any]) -> list[Any]:
     """Cells of an entry, which lacks some of the values; the engine reports at most two points."""
     none = (None, None)
     points = [*entry.get("points", [entry.get("point", none)]), none, none][:2]
-    normal, velocity, impulse = (entry.get(name) or none for name in ("normal", "relative_velocity", "impulse"))
+    normal, velocity, impulse = (
+        entry.get(name) or none for name in ("normal", "relative_velocity", "impulse")
+    )
     first = (entry["time"], what, *entry["benches"], *points[0], *points[1])
     return [*first, *normal, entry.get("depth"), *velocity, *impulse, entry.get("gap")]
 
@@ -139,13 +164,18 @@ def _stills(run: Run) -> list[tuple[str, bytes]]:
     first, (begin, time), span = run.first_contact, run.times[[0, -1]].tolist(), _CLOSE_SPAN
     if first is not None:
         time = min(max(first.time, begin), time)
-        span = max(span, _CLOSE_MARGIN * float(np.abs(first.point - run.poses_at(time)[0, 0, :2]).max()))
+        span = max(
+            span, _CLOSE_MARGIN * float(np.abs(first.point - run.poses_at(time)[0, 0, :2]).max())
+        )
     cameras = {
         text("The head at {time} s"): Camera(follow="head", span=span),
         text("The whole dragon at {time} s"): Camera(),
     }
     return [
-        (caption.format(time=f"{time:.2f}"), still_png(run, time, Film(size=_STILL_SIZE, camera=camera)))
+        (
+            caption.format(time=f"{time:.2f}"),
+            still_png(run, time, Film(size=_STILL_SIZE, camera=camera)),
+        )
         for caption, camera in cameras.items()
     ]
 

@@ -49,8 +49,17 @@ class Summary:
         """Parameters of the march as JSON values. Unlike a `Scenario`, they may describe any curve."""
         march = self.run.march
         curve, speed = march.curve, march.speed
-        table = list(zip(speed.times, speed.speeds, strict=True)) if isinstance(speed, SpeedTable) else speed
-        named = {"curve": type(curve).__name__, "pitch": curve.turn_width, "turns": march.turns, "speed": table}
+        table = (
+            list(zip(speed.times, speed.speeds, strict=True))
+            if isinstance(speed, SpeedTable)
+            else speed
+        )
+        named = {
+            "curve": type(curve).__name__,
+            "pitch": curve.turn_width,
+            "turns": march.turns,
+            "speed": table,
+        }
         parameters = asdict(march.dragon) | named
         parameters |= {name: getattr(curve, name) for name in curve.flags if name not in parameters}
         if math.isfinite(length := curve.end_s - curve.begin_s):
@@ -63,7 +72,11 @@ class Summary:
     def settings(self) -> dict[str, Any]:
         """Settings of the player as JSON values."""
         values = self.run.provenance.items()
-        return dict(json_values({name: value for name, value in values if name not in ("player", "versions")}))
+        return dict(
+            json_values(
+                {name: value for name, value in values if name not in ("player", "versions")}
+            )
+        )
 
     @cached_property
     def drift(self) -> dict[str, Any]:
@@ -130,7 +143,8 @@ def summarize(run: Run) -> Summary:
         return summary
     played = Run.exact(run.march, np.sort([*run.times, contact.time]))
     return Summary(
-        run=replace(played, provenance=run.provenance, first_contact=contact, outcome="contact"), exact=exact
+        run=replace(played, provenance=run.provenance, first_contact=contact, outcome="contact"),
+        exact=exact,
     )
 
 

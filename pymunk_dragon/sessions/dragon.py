@@ -40,21 +40,32 @@ class DragonScene(Scene):
     # Not the joints of the dancers.
     drawn = DrawRecorder.DRAW_SHAPES
 
-    def __init__(self, march: March, values: Values, *, contacts: str = "resolve", start: float = 0.0) -> None:
+    def __init__(
+        self, march: March, values: Values, *, contacts: str = "resolve", start: float = 0.0
+    ) -> None:
         changes = {name: values[name] for name in ("pitch", "width", "benches") if name in values}
         if changes:
             march = Scenario.from_dict(Scenario.of(march).values() | changes, files=False).march()
         self.march = march
         speed = top_speed(march, start, None)
-        usual = {"step": _STRIDE / speed, "iterations": _ITERATIONS, "drag": EngineSettings.drag, "speed": speed}
+        usual = {
+            "step": _STRIDE / speed,
+            "iterations": _ITERATIONS,
+            "drag": EngineSettings.drag,
+            "speed": speed,
+        }
         self._given = usual | dict(values)
         self.world = World(march, contacts="resolve", start=start, **_settings(self._given))
         self._curve = curve_points(march, start, start)
         low, high = self._curve.min(axis=0), self._curve.max(axis=0)
         (x, y), (width, height) = (low + high) / 2, high - low + march.dragon.lengths.max()
-        super().__init__(self.world.space, PlaySettings(step=self.world.substep, field=(x, y, width, height)))
+        super().__init__(
+            self.world.space, PlaySettings(step=self.world.substep, field=(x, y, width, height))
+        )
         self.time = start
-        self._numbers: dict[pymunk.Shape, int] = {shape: number for number, shape in enumerate(self.world.shapes)}
+        self._numbers: dict[pymunk.Shape, int] = {
+            shape: number for number, shape in enumerate(self.world.shapes)
+        }
         # Rows of the contacts of pairs that touch, and of those in the step before.
         self._touching: dict[tuple[int, ...], list[tuple[float, ...]]] = {}
         self._touched = self._touching
@@ -71,19 +82,45 @@ class DragonScene(Scene):
         engine: dict[str, Any] = {"action": self._apply, "logarithmic": True}
         longest = 1e3 * MAX_STRIDE / speed
         found = [
-            slider_around("step", 0.5, longest, values["step"], label="Time step", unit="ms", **engine),
-            slider_around("iterations", 1, 200, values["iterations"], label="Iterations", whole=True, **engine),
-            slider_around("drag", 0.5, 50, values["drag"], label="Ground drag", unit="1/m", **engine),
-            Slider("speed", 0, 2 * speed, values["speed"], label="Speed of the head", unit="m/s", action=self._apply),
+            slider_around(
+                "step", 0.5, longest, values["step"], label="Time step", unit="ms", **engine
+            ),
+            slider_around(
+                "iterations", 1, 200, values["iterations"], label="Iterations", whole=True, **engine
+            ),
+            slider_around(
+                "drag", 0.5, 50, values["drag"], label="Ground drag", unit="1/m", **engine
+            ),
+            Slider(
+                "speed",
+                0,
+                2 * speed,
+                values["speed"],
+                label="Speed of the head",
+                unit="m/s",
+                action=self._apply,
+            ),
         ]
         if pitch := getattr(self.march.curve, "pitch", None):
             low, high = float(dragon.widths.max()) * 1.05, 3 * max(pitch, 0.55)
             found.append(Slider("pitch", low, high, pitch, label="Pitch", unit="m", rebuilds=True))
         if dragon.has_equal_benches and isinstance(dragon.width, float):
             high = min(pitch or 0.6, 0.6) * 0.95
-            found.append(slider_around("width", 0.05, high, dragon.width, label="Width", unit="m", rebuilds=True))
             found.append(
-                slider_around("benches", 2, _MAX_BENCHES, dragon.benches, label="Benches", whole=True, rebuilds=True)
+                slider_around(
+                    "width", 0.05, high, dragon.width, label="Width", unit="m", rebuilds=True
+                )
+            )
+            found.append(
+                slider_around(
+                    "benches",
+                    2,
+                    _MAX_BENCHES,
+                    dragon.benches,
+                    label="Benches",
+                    whole=True,
+                    rebuilds=True,
+                )
             )
         return found
 
@@ -97,7 +134,9 @@ class DragonScene(Scene):
     def advance(self) -> None:
         """Make a step of the dragon."""
         world = self.world
-        if not world.follow(_HEAD_LAG, _BRAKING, self.values["speed"] / world.top_speed, recovers=self._held is None):
+        if not world.follow(
+            _HEAD_LAG, _BRAKING, self.values["speed"] / world.top_speed, recovers=self._held is None
+        ):
             self.events.append("the head is at the end of its path")
             self.stops = True
         self._touched, self._touching = self._touching, {}
@@ -118,8 +157,14 @@ class DragonScene(Scene):
         if pair not in self._touched and pair not in self._touching:
             self.events.append(_touch_text(*pair))
             self.stops |= self._contacts_do == "stop"
-        impulse = impulse_of(arbiter, self._earlier[arbiter.shapes], self._ratio).length if solved else 0.0
-        self._touching.setdefault(pair, []).extend(arbiter_rows(arbiter, numbers[0] == pair[1], impulse))
+        impulse = (
+            impulse_of(arbiter, self._earlier[arbiter.shapes], self._ratio).length
+            if solved
+            else 0.0
+        )
+        self._touching.setdefault(pair, []).extend(
+            arbiter_rows(arbiter, numbers[0] == pair[1], impulse)
+        )
 
     def contacts(self, value: str) -> None:
         """Choose what contacts do."""
@@ -130,7 +175,9 @@ class DragonScene(Scene):
         world, held = self.world, self._held
         super().drop()
         if held is not None and world.free_from is None and len(self.joints()) == len(world.pivots):
-            errors = position_errors(self.march.dragon, world.poses, self.march.at(world.time).positions[0])
+            errors = position_errors(
+                self.march.dragon, world.poses, self.march.at(world.time).positions[0]
+            )
             if errors.max() > self.march.dragon.widths.min():
                 world.release(1)
                 world.hold()
@@ -161,13 +208,20 @@ class DragonScene(Scene):
         """Return what the page gets once: the sizes of the benches, and the curve."""
         dragon = self.march.dragon
         sizes = {name: getattr(dragon, name).tolist() for name in ("lengths", "widths", "spacings")}
-        curve = {"curve": self._curve.round(4).ravel().tolist(), "curve_error": CURVE_ERROR * min(sizes["widths"])}
+        curve = {
+            "curve": self._curve.round(4).ravel().tolist(),
+            "curve_error": CURVE_ERROR * min(sizes["widths"]),
+        }
         return super().to_dict() | {"dragon": {**sizes, "hole": hole_diameter(dragon), **curve}}
 
     def state(self) -> dict[str, Any]:
         """Return what changes now and then."""
         cuts = [number for number, pivot in enumerate(self.world.pivots) if pivot.max_force == 0]
-        return super().state() | {"contacts": self._contacts_do, "free_from": self.world.free_from, "cuts": cuts}
+        return super().state() | {
+            "contacts": self._contacts_do,
+            "free_from": self.world.free_from,
+            "cuts": cuts,
+        }
 
     def poses(self) -> Array:
         """Return the poses (N, 3) of the benches: m, m, rad."""
@@ -180,15 +234,25 @@ class DragonScene(Scene):
             "exact": states.poses[0],
             "errors": position_errors(self.march.dragon, poses, states.positions[0]),
             "forces": self.world.joint_forces,
-            "contacts": np.array([row for rows in self._touching.values() for row in rows]).reshape(-1, 5),
+            "contacts": np.array([row for rows in self._touching.values() for row in rows]).reshape(
+                -1, 5
+            ),
         }
         touching = sorted({number for pair in self._touching for number in pair} - {_OBSTACLE})
-        return {"march_time": self.world.time, "touching": touching, "waits": self.world.share < 1}, arrays
+        return {
+            "march_time": self.world.time,
+            "touching": touching,
+            "waits": self.world.share < 1,
+        }, arrays
 
 
 def _settings(values: Values) -> dict[str, Any]:
     """Return the settings of the engine for values of the sliders."""
-    return {"substep": values["step"] / 1e3, "iterations": int(values["iterations"]), "drag": values["drag"]}
+    return {
+        "substep": values["step"] / 1e3,
+        "iterations": int(values["iterations"]),
+        "drag": values["drag"],
+    }
 
 
 def _touch_text(first: int, i: int) -> str:

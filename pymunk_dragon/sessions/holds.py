@@ -46,7 +46,9 @@ class Holds:
         shared = thing != _HAND and (release is not None or _has(self._holders(thing), client))
         others = [each for each in self._all if each.thing != thing]
         if shared:
-            others += [each for each in self._all if each.thing == thing and each.client is not client]
+            others += [
+                each for each in self._all if each.thing == thing and each.client is not client
+            ]
         self._all = others
         if release is not None:
             self._all.append(_Hold(client, thing, release))

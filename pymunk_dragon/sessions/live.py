@@ -96,7 +96,9 @@ class Live(AbstractContextManager["Live"]):
 
             return LiveWidget(self._session).shown()
         shape = 'width="100%" height="720" style="border: 0"'
-        return {"text/html": f'<iframe src="{escape(self.address)}" title="A live session" {shape}></iframe>'}
+        return {
+            "text/html": f'<iframe src="{escape(self.address)}" title="A live session" {shape}></iframe>'
+        }
 
 
 def live(
@@ -171,13 +173,24 @@ def live(
     flag("paused", paused)
     flag("browser", browser)
 
-    seen: Any = {"plots": {} if plots is None else plots, "events": events, "y_down": y_down, "units": units}
+    seen: Any = {
+        "plots": {} if plots is None else plots,
+        "events": events,
+        "y_down": y_down,
+        "units": units,
+    }
     settings = PlaySettings(step=step, on_step=on_step, controls=controls, **seen)
     _check_settings(settings)
     if what is None or isinstance(what, March | str):
         _check_unchanged(settings)
     source = source_of(what, settings)
-    return Live(Session(source, running=not paused), browser=browser, host=host, port=port, allow_hosts=allow_hosts)
+    return Live(
+        Session(source, running=not paused),
+        browser=browser,
+        host=host,
+        port=port,
+        allow_hosts=allow_hosts,
+    )
 
 
 def _check_settings(settings: PlaySettings) -> None:
@@ -187,9 +200,14 @@ def _check_settings(settings: PlaySettings) -> None:
     if settings.on_step is not None:
         function("on_step", settings.on_step)
     instances(
-        "controls", settings.controls, Slider | Button | PygameEvents, "a sequence of Slider, Button, Key and others"
+        "controls",
+        settings.controls,
+        Slider | Button | PygameEvents,
+        "a sequence of Slider, Button, Key and others",
     )
-    for title, plot in instance("plots", settings.plots, Mapping, "a mapping of titles to functions").items():
+    for title, plot in instance(
+        "plots", settings.plots, Mapping, "a mapping of titles to functions"
+    ).items():
         label("title of a plot", title)
         function(f"plots[{title!r}]", plot)
     if settings.events is not None:
@@ -216,11 +234,16 @@ def source_of(what: object, settings: PlaySettings) -> SceneSource:
     if isinstance(what, pymunk.Space):
         return replace(space_scene(FirstState(what).begin, settings), given=True)
     if not callable(what):
-        raise ParameterError("what", what, "a March, a pymunk.Space, a function that returns one, or a scene's name")
+        raise ParameterError(
+            "what", what, "a March, a pymunk.Space, a function that returns one, or a scene's name"
+        )
     return space_scene(what, settings)
 
 
 def _has_widgets() -> bool:
     """Whether this runs in a notebook, for which anywidget is installed."""
     python = sys.modules.get("IPython")
-    return getattr(python and python.get_ipython(), "kernel", None) is not None and find_spec("anywidget") is not None
+    return (
+        getattr(python and python.get_ipython(), "kernel", None) is not None
+        and find_spec("anywidget") is not None
+    )

@@ -15,7 +15,16 @@ from pymunk_dragon._arrays import Array
 from pymunk_dragon._checks import number, word
 from pymunk_dragon.drawing.debug_draw import DrawRecorder, area
 from pymunk_dragon.errors import DragonError, ParameterError
-from pymunk_dragon.physics.readings import QUANTITIES, Readings, Touches, body_at, energies, grip, joint_at, units
+from pymunk_dragon.physics.readings import (
+    QUANTITIES,
+    Readings,
+    Touches,
+    body_at,
+    energies,
+    grip,
+    joint_at,
+    units,
+)
 from pymunk_dragon.physics.substep import next_length
 from pymunk_dragon.sessions.controls import Button, Key, PygameEvents, Slider, slider_around
 from pymunk_dragon.web.frames import in_binary, packed
@@ -65,7 +74,9 @@ class Scene:
         self._readings = Readings(space)
         # What touches, while the scene waits for a contact.
         self._touches: Touches | None = None
-        self.pygame = next((each for each in settings.controls if isinstance(each, PygameEvents)), None)
+        self.pygame = next(
+            (each for each in settings.controls if isinstance(each, PygameEvents)), None
+        )
         self._pressed = {each.name: each for each in settings.controls if isinstance(each, Button)}
         down = pymunk.Vec2d(0, 1 if settings.y_down else -1)
         self._down = space.gravity.normalized() if space.gravity.length > 0 else down
@@ -74,7 +85,11 @@ class Scene:
         own = {each.name: each for each in settings.controls if isinstance(each, Slider)}
         self.parameters = own | known | own
         # Values at the start: of a slider without, that of the space, or the lowest.
-        given = {each.name: each.value for each in [*known.values(), *own.values()] if each.value is not None}
+        given = {
+            each.name: each.value
+            for each in [*known.values(), *own.values()]
+            if each.value is not None
+        }
         self.values: dict[str, float] = {name: each.low for name, each in own.items()} | given
         self.fit()
 
@@ -112,9 +127,19 @@ class Scene:
         ms, space, g = 1e3 * self.step_length, self.space, self.space.gravity.length
         known = [
             Slider("step", ms / 10, 10 * ms, ms, label="Time step", unit="ms", logarithmic=True),
-            slider_around("iterations", 1, 200, space.iterations, label="Iterations", logarithmic=True, whole=True),
+            slider_around(
+                "iterations",
+                1,
+                200,
+                space.iterations,
+                label="Iterations",
+                logarithmic=True,
+                whole=True,
+            ),
             slider_around("damping", 0, 1, space.damping, label="Velocity kept in 1 s"),
-            Slider("gravity", 0, 3 * g or 1.0, g, label="Gravity", unit=f"{self.settings.units}/s²"),
+            Slider(
+                "gravity", 0, 3 * g or 1.0, g, label="Gravity", unit=f"{self.settings.units}/s²"
+            ),
         ]
         # A program that makes the steps itself chooses their length.
         hidden = {"step": self.settings.step is None, "gravity": g == 0}
@@ -164,7 +189,9 @@ class Scene:
         self._hand.position = x, y
         body, point = body_at(self.shapes(), x, y, slip)
         held = self._held = pymunk.PivotJoint(self._hand, body, (0, 0), body.world_to_local(point))
-        held.max_force = _HAND_ACCELERATION * max(1.0, max(self.field["size"]) / _HAND_SIZE) * body.mass
+        held.max_force = (
+            _HAND_ACCELERATION * max(1.0, max(self.field["size"]) / _HAND_SIZE) * body.mass
+        )
         held.error_bias = _HAND_BIAS
         self.space.add(held)
 
@@ -195,7 +222,9 @@ class Scene:
 
     def joints(self) -> list[pymunk.Constraint]:
         """Return the joints of the space that have forces, without that of the hand."""
-        return [each for each in self.space.constraints if each is not self._held and each.max_force > 0]
+        return [
+            each for each in self.space.constraints if each is not self._held and each.max_force > 0
+        ]
 
     def obstacle(self, shape: str, x: float, y: float, size: float) -> None:
         """Put a round or square obstacle, `size` in diameter or side, on the ground."""
@@ -208,7 +237,10 @@ class Scene:
             found = pymunk.Poly.create_box_bb(ground, pymunk.BB.newForCircle((x, y), half))
         found.friction = _OBSTACLE_FRICTION
         number = max(self._obstacles, default=0) + 1
-        self._obstacles[number] = {"id": number, "shape": shape, "x": x, "y": y, "size": 2 * half}, found
+        self._obstacles[number] = (
+            {"id": number, "shape": shape, "x": x, "y": y, "size": 2 * half},
+            found,
+        )
         self.space.add(found)
         # A new static shape wakes no body.
         self._wake([each.shape.body for each in self.space.shape_query(found)])
@@ -233,19 +265,40 @@ class Scene:
     def to_dict(self) -> dict[str, Any]:
         """Return what the page gets once."""
         keys = [each.name for each in self._pressed.values() if isinstance(each, Key)]
-        now = [vars(each) | {"action": None, "value": self.values[name]} for name, each in self.parameters.items()]
-        controls = {"parameters": now, "buttons": [name for name in self._pressed if name not in keys]}
+        now = [
+            vars(each) | {"action": None, "value": self.values[name]}
+            for name, each in self.parameters.items()
+        ]
+        controls = {
+            "parameters": now,
+            "buttons": [name for name in self._pressed if name not in keys],
+        }
         controls["keys"] = ["*"] if self.pygame else keys
-        about = {"dragon": None, "step": self.step_length, "y_down": self.settings.y_down, "units": self.settings.units}
+        about = {
+            "dragon": None,
+            "step": self.step_length,
+            "y_down": self.settings.y_down,
+            "units": self.settings.units,
+        }
         unit_of = units(self.settings.units)
         # The user's quantities have their units in their titles.
-        plots = {name: unit_of[kind] for name, kind in QUANTITIES.items()} | dict.fromkeys(self.settings.plots, "")
-        return controls | about | {"field": self.field, "unit_of": unit_of, "plots": list(plots.items())}
+        plots = {name: unit_of[kind] for name, kind in QUANTITIES.items()} | dict.fromkeys(
+            self.settings.plots, ""
+        )
+        return (
+            controls
+            | about
+            | {"field": self.field, "unit_of": unit_of, "plots": list(plots.items())}
+        )
 
     def state(self) -> dict[str, Any]:
         """Return what changes now and then."""
         obstacles = [about for about, _ in self._obstacles.values()]
-        scene = {"obstacles": obstacles, "values": dict(self.values), "waits_for_contact": self.waits_for_contact}
+        scene = {
+            "obstacles": obstacles,
+            "values": dict(self.values),
+            "waits_for_contact": self.waits_for_contact,
+        }
         return {"contacts": None, "free_from": None, "cuts": [], **scene}
 
     def poses(self) -> Array:
@@ -254,7 +307,9 @@ class Scene:
 
     def plots(self) -> dict[str, float]:
         """Return quantities for charts: energy, momentum, and those of the user's."""
-        return energies(self.space) | {name: self._plotted(name, plot) for name, plot in self.settings.plots.items()}
+        return energies(self.space) | {
+            name: self._plotted(name, plot) for name, plot in self.settings.plots.items()
+        }
 
     def _plotted(self, title: str, plot: Callable[[pymunk.Space], float]) -> float:
         """Return the value of a chart of the user's; an error names the chart."""
@@ -269,13 +324,23 @@ class Scene:
 
     def frame(self, header: Mapping[str, Any]) -> bytes:
         """Return the present state as `in_binary` does, with the session's part of the header."""
-        held = (pull := self._held) and pull.b.space and [*pull.b.local_to_world(pull.anchor_b), *self._hand.position]
+        held = (
+            (pull := self._held)
+            and pull.b.space
+            and [*pull.b.local_to_world(pull.anchor_b), *self._hand.position]
+        )
         more, arrays = self._parts()
-        return in_binary({**header, "step": self.steps, "time": self.time, "held": held, **more}, arrays)
+        return in_binary(
+            {**header, "step": self.steps, "time": self.time, "held": held, **more}, arrays
+        )
 
     def _parts(self) -> tuple[dict[str, Any], dict[str, Array]]:
         """Return parts of the header and arrays of a frame."""
         self.space.debug_draw(self._recorder)
         calls, colours = packed(self._recorder.calls, grip)
         joints = self._readings.joints(self.joints())
-        return {"colours": colours}, {"calls": calls, "joints": joints, "contacts": self._readings.contacts()}
+        return {"colours": colours}, {
+            "calls": calls,
+            "joints": joints,
+            "contacts": self._readings.contacts(),
+        }

@@ -78,11 +78,17 @@ def recorded_scene(saved_as: Mapping[str, Any]) -> SceneSource:
 def space_scene(build: Callable[..., pymunk.Space], settings: PlaySettings) -> SceneSource:
     """Return the scene of a function that builds a space; sliders with the names of its arguments have their values."""
     arguments = signature(build).parameters
-    settings = replace(settings, controls=[_at_start(each, arguments) for each in settings.controls])
+    settings = replace(
+        settings, controls=[_at_start(each, arguments) for each in settings.controls]
+    )
     own = {each.name: each for each in settings.controls if isinstance(each, Slider)}
 
     def make(values: Values) -> Scene:
-        given = {name: each.checked(values.get(name, each.value)) for name, each in own.items() if name in arguments}
+        given = {
+            name: each.checked(values.get(name, each.value))
+            for name, each in own.items()
+            if name in arguments
+        }
         space = build(**given)
         if not isinstance(space, pymunk.Space):
             raise ParameterError("build", space, "a function that returns a pymunk.Space")
@@ -107,12 +113,16 @@ def _at_start(control: Any, arguments: Mapping[str, Parameter]) -> Any:
     name, value, argument = control.name, control.value, arguments.get(control.name)
     if not (argument or ((control.action or name in _PROPERTIES) and not control.rebuilds)):
         known = ", ".join(arguments) or "none"
-        raise ParameterError("controls", name, f"an argument of the function that builds the space ({known})")
+        raise ParameterError(
+            "controls", name, f"an argument of the function that builds the space ({known})"
+        )
     if argument and value is None:
         value = argument.default
     if value is not None:
         control.checked(value)
-    whole = control.whole or name == "iterations" or (argument is not None and isinstance(value, int))
+    whole = (
+        control.whole or name == "iterations" or (argument is not None and isinstance(value, int))
+    )
     return replace(control, value=value, whole=whole)
 
 
@@ -141,7 +151,9 @@ def add(
     return build
 
 
-def _scene(name: str, title: str, lesson: str | None = None, **settings: Any) -> Callable[[Any], Any]:
+def _scene(
+    name: str, title: str, lesson: str | None = None, **settings: Any
+) -> Callable[[Any], Any]:
     """Return a decorator that adds a scene, whose name stands in recordings."""
     saved_as = {"scene": name}
     return partial(add, name=name, title=title, lesson=lesson, saved_as=saved_as, **settings)
@@ -162,7 +174,9 @@ def _unguided(values: Values) -> Scene:
 @_scene("sloppy-engine", "A coarse engine", "engine")
 def _sloppy_engine(values: Values) -> Scene:
     """Long steps and two iterations: watch the position error, then raise the iterations."""
-    return DragonScene(March(), {"step": 60.0, "iterations": 2, **values}, contacts="report", start=380.0)
+    return DragonScene(
+        March(), {"step": 60.0, "iterations": 2, **values}, contacts="report", start=380.0
+    )
 
 
 @_scene("near-miss", "Near misses", "near-miss")
@@ -174,7 +188,9 @@ def _near_miss(values: Values) -> Scene:
 @_scene("jam", "A jam")
 def _jam(values: Values) -> Scene:
     """The path is blocked. Remove the obstacle, or see which forces the joints bear."""
-    scene = DragonScene(March(Dragon(benches=12), Line(start=(-24.0, 0.0), stop=(8.0, 0.0)), start_s=24.0), values)
+    scene = DragonScene(
+        March(Dragon(benches=12), Line(start=(-24.0, 0.0), stop=(8.0, 0.0)), start_s=24.0), values
+    )
     scene.obstacle("square", 4.0, 0.1, 2.0)
     return scene
 
@@ -186,7 +202,9 @@ def _space() -> pymunk.Space:
     return space
 
 
-def _box(space: pymunk.Space, size: tuple[float, float], x: float, y: float, group: int = 0) -> pymunk.Body:
+def _box(
+    space: pymunk.Space, size: tuple[float, float], x: float, y: float, group: int = 0
+) -> pymunk.Body:
     """Return a new box of 1 kg in a space; boxes of the same group but 0 pass through each other."""
     body = pymunk.Body(1.0, pymunk.moment_for_box(1.0, size))
     body.position, shape = (x, y), pymunk.Poly.create_box(body, size)
@@ -208,7 +226,12 @@ def _pendulum() -> pymunk.Space:
     """Pull it up and drop it. Then cut a joint."""
     space = _space()
     rods = [_box(space, (1.0, 0.08), number + 0.5, 0.0, group=1) for number in range(3)]
-    space.add(*(pymunk.PivotJoint(*pair, (x, 0.0)) for x, pair in enumerate(pairwise([space.static_body, *rods]))))
+    space.add(
+        *(
+            pymunk.PivotJoint(*pair, (x, 0.0))
+            for x, pair in enumerate(pairwise([space.static_body, *rods]))
+        )
+    )
     return space
 
 
@@ -227,7 +250,11 @@ def _cradle() -> pymunk.Space:
 
 
 @_scene(
-    "boxes", "A stack of boxes", "engine", step=1 / 120, controls=[Slider("rows", 2, 25, label="Rows", rebuilds=True)]
+    "boxes",
+    "A stack of boxes",
+    "engine",
+    step=1 / 120,
+    controls=[Slider("rows", 2, 25, label="Rows", rebuilds=True)],
 )
 def _boxes(rows: int = 8) -> pymunk.Space:
     """Pull a box out of the stack. Fewer iterations make it soft."""

@@ -35,7 +35,11 @@ _MAX_CLIENTS, _MAX_WATCHERS = 220, 200
 # s after which a client that does not answer is disconnected; in which inputs are saved; for the last bytes.
 _HEARTBEAT, _SAVE_TIME, _STOP_TIME = 20.0, 10.0, 0.5
 _LOOPBACK = ("localhost", "127.0.0.1", "::1")
-_HEADERS = {"Cache-Control": "no-store", "Referrer-Policy": "no-referrer", "X-Content-Type-Options": "nosniff"}
+_HEADERS = {
+    "Cache-Control": "no-store",
+    "Referrer-Policy": "no-referrer",
+    "X-Content-Type-Options": "nosniff",
+}
 _Action = Callable[..., object]
 
 
@@ -43,7 +47,12 @@ class _Client(Client):
     """A browser, and what it has to get: texts, and the newest frame."""
 
     def __init__(
-        self, session: Session, connection: web.WebSocketResponse, controls: bool, drop: _Action, call: _Action
+        self,
+        session: Session,
+        connection: web.WebSocketResponse,
+        controls: bool,
+        drop: _Action,
+        call: _Action,
     ) -> None:
         self.session = session
         self.controls = controls
@@ -89,7 +98,13 @@ class Server:
     """
 
     def __init__(
-        self, session: Session, *, host: str, port: int, allow_hosts: Sequence[str] = (), front: str | None = None
+        self,
+        session: Session,
+        *,
+        host: str,
+        port: int,
+        allow_hosts: Sequence[str] = (),
+        front: str | None = None,
     ) -> None:
         self._session, self._front = session, front
         self._proxies = {name.lower() for name in allow_hosts}
@@ -105,10 +120,20 @@ class Server:
         self.address, self.watch_address = (page + token for token in self._tokens)
         self._loop = asyncio.new_event_loop()
         application = web.Application(middlewares=[self._check])
-        pages = {"/": self._page, "/live": self._page, "/socket": self._connect, "/inputs": self._inputs}
+        pages = {
+            "/": self._page,
+            "/live": self._page,
+            "/socket": self._connect,
+            "/inputs": self._inputs,
+        }
         application.add_routes([web.get(path, handler) for path, handler in pages.items()])
         application.on_response_prepare.append(_add_headers)
-        quiet: Any = {"handle_signals": False, "print": None, "access_log": None, "shutdown_timeout": _STOP_TIME}
+        quiet: Any = {
+            "handle_signals": False,
+            "print": None,
+            "access_log": None,
+            "shutdown_timeout": _STOP_TIME,
+        }
         serve = partial(web.run_app, application, sock=self._socket, loop=self._loop, **quiet)
         self._thread = threading.Thread(target=serve, name="pymunk-dragon live server", daemon=True)
         self._thread.start()
@@ -135,25 +160,38 @@ class Server:
         host = request.headers.get("Host", "")
         is_known = False
         with suppress(ValueError):  # It is no address.
-            name, page = urlsplit(f"//{host}").hostname or "", urlsplit(request.headers.get("Origin", f"//{host}"))
-            is_known = name in self._known or (self._any_address and bool(ipaddress.ip_address(name)))
+            name, page = (
+                urlsplit(f"//{host}").hostname or "",
+                urlsplit(request.headers.get("Origin", f"//{host}")),
+            )
+            is_known = name in self._known or (
+                self._any_address and bool(ipaddress.ip_address(name))
+            )
             # A proxy with an allowed name may replace the host, but not the origin.
             is_known &= page.netloc == host or page.hostname in self._proxies
         if not is_known or self._controls(request) is None:
-            raise web.HTTPForbidden(text="Open the address that was printed; behind a proxy, see --allow-host.\n")
+            raise web.HTTPForbidden(
+                text="Open the address that was printed; behind a proxy, see --allow-host.\n"
+            )
         return await handler(request)
 
     def _controls(self, request: web.Request) -> bool | None:
         """Whether a request may control the session; None without a token. The time taken reveals no token."""
         given = request.query.get("token", "").encode()
-        found = [may for token, may in self._tokens.items() if secrets.compare_digest(given, token.encode())]
+        found = [
+            may
+            for token, may in self._tokens.items()
+            if secrets.compare_digest(given, token.encode())
+        ]
         return found[0] if found else None
 
     async def _page(self, request: web.Request) -> web.Response:
         if self._front is not None and request.path == "/":
             return web.Response(text=self._front, content_type="text/html")
         page, rules = live_page(self._session.source.title, self._language)
-        return web.Response(text=page, content_type="text/html", headers={"Content-Security-Policy": rules})
+        return web.Response(
+            text=page, content_type="text/html", headers={"Content-Security-Policy": rules}
+        )
 
     async def _inputs(self, request: web.Request) -> web.Response:
         """What was done so far, as JSON from which the session is played again."""
@@ -169,7 +207,9 @@ class Server:
         others = [each.controls for each in self._session.clients]
         if len(others) >= _MAX_CLIENTS or (others.count(False) >= _MAX_WATCHERS and not controls):
             raise web.HTTPServiceUnavailable(text="There are too many clients.\n")
-        connection = web.WebSocketResponse(compress=False, heartbeat=_HEARTBEAT, max_msg_size=_MAX_BYTES)
+        connection = web.WebSocketResponse(
+            compress=False, heartbeat=_HEARTBEAT, max_msg_size=_MAX_BYTES
+        )
         await connection.prepare(request)
         assert request.transport is not None  # The request is being answered.
         client = _Client(self._session, connection, controls, request.transport.abort, self._call)
@@ -195,7 +235,9 @@ def _bound(host: str, port: int) -> socket.socket:
     """Return a socket that listens; port 0 is a free one."""
     whole("port", port, 0, 65535)
     try:
-        return socket.create_server((host, port), family=socket.AF_INET6 if ":" in host else socket.AF_INET)
+        return socket.create_server(
+            (host, port), family=socket.AF_INET6 if ":" in host else socket.AF_INET
+        )
     except (OSError, UnicodeError) as error:
         is_taken = getattr(error, "errno", None) in (errno.EADDRINUSE, errno.EACCES)
         name, value = ("port", port) if is_taken else ("host", host)

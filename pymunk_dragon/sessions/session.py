@@ -110,7 +110,9 @@ class Session:
     def start(self) -> None:
         """Call `turn` in a thread, unless a program makes the steps."""
         if self.scene.settings.step is not None:
-            self._thread = threading.Thread(target=self._run, name="pymunk-dragon live", daemon=True)
+            self._thread = threading.Thread(
+                target=self._run, name="pymunk-dragon live", daemon=True
+            )
             self._thread.start()
 
     def step(self, length: float) -> None:
@@ -119,7 +121,9 @@ class Session:
         An error in the step is raised here, and does not pause the session, which nobody might resume.
         """
         if self.scene.settings.step is not None:
-            raise ParameterError("step", self.scene.settings.step, "None for a program that makes the steps itself")
+            raise ParameterError(
+                "step", self.scene.settings.step, "None for a program that makes the steps itself"
+            )
         self.scene.step_length = finite("dt", length, 0, MAX_STEP, "s")
         if not self.scene.steps:
             # Now the program has opened its window and filled its space.
@@ -164,7 +168,9 @@ class Session:
     def receive(self, client: Client, message: Message) -> None:
         """Have a message take effect before the next step; the client gets the error if it cannot."""
         if len(self._waiting) >= _MAX_WAITING:
-            raise ParameterError("message", message.do, f"sent while fewer than {_MAX_WAITING} wait")
+            raise ParameterError(
+                "message", message.do, f"sent while fewer than {_MAX_WAITING} wait"
+            )
         self._waiting.add(partial(self._take, message, client.tell, client), message.key())
 
     def call(self, action: Callable[[], object]) -> None:
@@ -294,7 +300,11 @@ class Session:
     def _show(self, now: float) -> None:
         """Send clients the state if it changed, and a frame, now and then with values for charts."""
         self.clients.tell_state(self.state())
-        header: dict[str, Any] = {"generation": self.generation, "clock": now, "step_time": self._step_seconds}
+        header: dict[str, Any] = {
+            "generation": self.generation,
+            "clock": now,
+            "step_time": self._step_seconds,
+        }
         with self._watched():
             if self.clock.plot_is_due(now):
                 header["plots"] = list(self.scene.plots().values())
@@ -356,12 +366,19 @@ class Session:
                 case Speed():
                     self.clock.speed = message.value
                 case ChangeScene():
-                    self._begin(self._own if message.name == self._own.name else named_scene(message.name))
+                    self._begin(
+                        self._own if message.name == self._own.name else named_scene(message.name)
+                    )
                     self.clock.play()
                 case Reset():
                     self._begin(self.source)
-                case Set() if (slider := self.scene.parameters.get(message.name)) and slider.rebuilds:
-                    self._build(self.source, self._recording.values | {slider.name: slider.checked(message.value)})
+                case Set() if (
+                    slider := self.scene.parameters.get(message.name)
+                ) and slider.rebuilds:
+                    self._build(
+                        self.source,
+                        self._recording.values | {slider.name: slider.checked(message.value)},
+                    )
                 case Input():
                     if self._holds.allows(client, message):
                         self._recording.apply(self.scene, message)
@@ -370,9 +387,13 @@ class Session:
     def _check(self, message: Message) -> None:
         """Raise an error if a message cannot take effect in this session."""
         if isinstance(message, Input) and (self._replay is not None or self._recording.is_full):
-            raise ParameterError("message", message.do, f"sent after a replay, and one of {MAX_INPUTS} inputs")
+            raise ParameterError(
+                "message", message.do, f"sent after a replay, and one of {MAX_INPUTS} inputs"
+            )
         if isinstance(message, ChangeScene | Reset) and self.scene.settings.step is None:
-            raise ParameterError("message", message.do, "another one: this program builds its space itself")
+            raise ParameterError(
+                "message", message.do, "another one: this program builds its space itself"
+            )
 
     def _begin(self, source: SceneSource) -> None:
         """Begin anew, with the first values of all sliders."""
@@ -426,5 +447,7 @@ def _described(error: Exception) -> dict[str, Any]:
     own = [frame for frame in frames if not frame.filename.startswith(_LIBRARIES)] or frames
     place = f"{Path(own[-1].filename).name}, line {own[-1].lineno}: {own[-1].line}"
     trace = "".join(traceback.format_list(own[-_TRACE_CALLS:]))
-    text = f"{type(error).__name__}: {error}" + "".join(f" ({note})" for note in getattr(error, "__notes__", ()))
+    text = f"{type(error).__name__}: {error}" + "".join(
+        f" ({note})" for note in getattr(error, "__notes__", ())
+    )
     return {"kind": "error", "text": text, "place": place, "trace": trace}

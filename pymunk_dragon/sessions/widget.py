@@ -52,7 +52,9 @@ class LiveWidget(Client, AnyWidget):
         """Display a picture of the present state, which remains in the notebook, and return the page as a bundle."""
         scene = self.session.scene
         with self.session.held:
-            content = still(scene.space, scene.field, y_down=scene.settings.y_down, flags=scene.drawn)
+            content = still(
+                scene.space, scene.field, y_down=scene.settings.y_down, flags=scene.drawn
+            )
         picture = f'<img class="{self.still}" alt="A live session" src="{data_address(content, "image/png")}">'
         # In an output of its own: JupyterLab shows no other part of one whose widget is gone.
         display({"text/html": picture, "text/plain": self.session.source.title}, raw=True)

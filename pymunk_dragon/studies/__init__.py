@@ -87,7 +87,11 @@ __all__ = [
 ]
 
 _STUDIES = (
-    Study(name="min-pitch", summary="smallest pitch at which the head reaches the circle (question 3)", run=min_pitch),
+    Study(
+        name="min-pitch",
+        summary="smallest pitch at which the head reaches the circle (question 3)",
+        run=min_pitch,
+    ),
     Study(
         name="max-speed",
         summary="largest speed of the head in the U-turn (question 5)",

@@ -34,7 +34,10 @@ def checked_dragon(dragon: Dragon | None) -> Dragon:
 def labelled(label: str, lines: str) -> list[str]:
     """Lines of a text beside a label."""
     first, *rest = lines.split("\n")
-    return [label + " " * (_LABEL_COLUMNS - width(label)) + first, *(" " * _LABEL_COLUMNS + line for line in rest)]
+    return [
+        label + " " * (_LABEL_COLUMNS - width(label)) + first,
+        *(" " * _LABEL_COLUMNS + line for line in rest),
+    ]
 
 
 def silent(done: float, total: float) -> None:
@@ -101,14 +104,18 @@ class Study:
     @property
     def parameters(self) -> tuple[str, ...]:
         """Names of all parameters, including the dragon's sizes."""
-        return *_DRAGON_SIZES, *(name for name in list(signature(self.run).parameters)[1:] if name != "progress")
+        return *_DRAGON_SIZES, *(
+            name for name in list(signature(self.run).parameters)[1:] if name != "progress"
+        )
 
     def answer(self, values: Mapping[str, Any], progress: Progress = silent) -> Any:
         """Run with `values` of its `parameters` by name; a wrong name or value is a `ParameterError`."""
         instance("values", values, Mapping, "a mapping of names and values")
         for name, value in values.items():
             if name not in self.parameters:
-                raise ParameterError(name, value, f"left out: {self.name} takes " + ", ".join(self.parameters))
+                raise ParameterError(
+                    name, value, f"left out: {self.name} takes " + ", ".join(self.parameters)
+                )
         sizes = {name: value for name, value in values.items() if name in _DRAGON_SIZES}
         rest = {name: value for name, value in values.items() if name not in _DRAGON_SIZES}
         return self.run(Dragon(**sizes), **rest, progress=progress)

@@ -96,14 +96,20 @@ class MaxSpeed(Result):
         return {name: getattr(self, name) for name in names}
 
     def _lines(self) -> list[str]:
-        subject = text("handle {first} goes") if len(self.handles) == 1 else text("handles {first} to {last} go")
+        subject = (
+            text("handle {first} goes")
+            if len(self.handles) == 1
+            else text("handles {first} to {last} go")
+        )
         subject = subject.format(first=self.handles[0], last=self.handles[-1])
         limit = text(
             "{subject} {ratio:.10f} times as fast as the head\n"
             "{time:.4f} s after it entered the circle, {distance:.4f} m into it"
         ).format(subject=subject, ratio=self.ratio, time=self.time, distance=self.distance)
         first = text("largest speed of the head {speed:.10f} m/s: no handle exceeds {limit:g} m/s")
-        excess = text("no handle exceeds that by more than {excess:.2g} of it").format(excess=self.excess)
+        excess = text("no handle exceeds that by more than {excess:.2g} of it").format(
+            excess=self.excess
+        )
         return [
             first.format(speed=self.speed, limit=self.limit),
             *labelled(text("limit:"), limit),
@@ -114,7 +120,9 @@ class MaxSpeed(Result):
         """Speeds of the foremost handles over time."""
         from pymunk_dragon.drawing.figures import style
 
-        title = text("At {:.6f} m/s of the head no handle exceeds {:g} m/s").format(self.speed, self.limit)
+        title = text("At {:.6f} m/s of the head no handle exceeds {:g} m/s").format(
+            self.speed, self.limit
+        )
         figure = style.slide(title, text("speeds of the foremost handles, m/s"))
         axes = style.panels(figure)
         distances = self.distance + np.unique([*np.linspace(-_BEFORE, _AFTER, _SAMPLES), 0.0])
@@ -123,10 +131,23 @@ class MaxSpeed(Result):
         times = distances / self.speed
         axes.plot(times, speeds, color=style.PALE, lw=0.9)
         name = text("handle {}").format(self.handle)
-        axes.plot(times, speeds[:, self.handle], color=style.BLUE, lw=2.2, gid="fastest", label=name)
+        axes.plot(
+            times, speeds[:, self.handle], color=style.BLUE, lw=2.2, gid="fastest", label=name
+        )
         note = text("{:g} m/s at {:.3f} s").format(self.limit, self.time)
-        axes.plot(self.time, self.limit, "o", color=style.COLOURS.contact, ms=7, zorder=4, gid="limit", label=note)
-        axes.set(xlabel=text("time since the head entered the circle (s)"), xlim=(times[0], times[-1]))
+        axes.plot(
+            self.time,
+            self.limit,
+            "o",
+            color=style.COLOURS.contact,
+            ms=7,
+            zorder=4,
+            gid="limit",
+            label=note,
+        )
+        axes.set(
+            xlabel=text("time since the head entered the circle (s)"), xlim=(times[0], times[-1])
+        )
         axes.legend(loc="upper right", frameon=False)
         return figure
 
@@ -220,7 +241,11 @@ def _largest_ratio(dragon: Dragon, curve: Composite, radius: float) -> tuple[_Se
 def _searched(dragon: Dragon, curve: Composite, radius: float) -> tuple[_Search, float]:
     """Search for the largest ratio, and a bound on all ratios that are not enclosed by it."""
     search = _Search(dragon, curve, radius)
-    head, body, whole = float(dragon.spacings[0]), float(dragon.spacings[-1]), float(dragon.spacings.sum())
+    head, body, whole = (
+        float(dragon.spacings[0]),
+        float(dragon.spacings[-1]),
+        float(dragon.spacings.sum()),
+    )
     outward = curve.pieces[-1]
     cosines = np.sqrt(1 - (outward.curvature(outward.begin_s) * dragon.spacings / 2) ** 2)
     gain = float(np.prod(np.maximum(1.0, cosines[1:] / cosines[:-1])) / cosines[-1])
@@ -249,7 +274,13 @@ class _Search:
     """Branch and bound for the largest ratio of a march at 1 m/s above a lower bound."""
 
     def __init__(
-        self, dragon: Dragon, curve: Composite, radius: float, *, start_s: float = 0.0, lower: float = 1.0
+        self,
+        dragon: Dragon,
+        curve: Composite,
+        radius: float,
+        *,
+        start_s: float = 0.0,
+        lower: float = 1.0,
     ) -> None:
         self.curve, self.spacings = curve, dragon.spacings
         self._radius = radius
@@ -267,7 +298,10 @@ class _Search:
         exit_s = self.curve.joints[-1]
         travelled, s = exit_s - self.march.head_start + step, -np.inf
         while True:
-            before, s = s, float(self.march.handles_s(self.march.time(travelled), handle + 1)[0, -1])
+            before, s = (
+                s,
+                float(self.march.handles_s(self.march.time(travelled), handle + 1)[0, -1]),
+            )
             if s >= exit_s:
                 return travelled
             if s <= before:
@@ -276,19 +310,28 @@ class _Search:
 
     def run(self, begin: float, end: float) -> None:
         """Enclose the largest ratio while the head travels from `begin` to `end`, m."""
-        edges = np.linspace(begin, end, int(np.ceil((end - begin) / (_INTERVAL * self.spacings.min()))) + 1)
+        edges = np.linspace(
+            begin, end, int(np.ceil((end - begin) / (_INTERVAL * self.spacings.min()))) + 1
+        )
         # The handles further back are on the inward spiral, and no faster than the last of these handles.
         ahead = int(np.count_nonzero(self.march.handles_s(self.march.time(end))[0] > 0))
         handles = min(max(2, ahead + 1), self.march.dragon.handles)
         middles, halves = (edges[:-1] + edges[1:]) / 2, np.diff(edges) / 2
-        parts = [self.march.handles_s(travelled, handles) for travelled in (edges[:-1], middles, edges[1:])]
+        parts = [
+            self.march.handles_s(travelled, handles)
+            for travelled in (edges[:-1], middles, edges[1:])
+        ]
         while middles.size:
             first, middle, last = parts
             ratios, most = self._ratios(first, middle, last)
             largest = ratios.max(axis=1)
             best = int(largest.argmax())
             if largest[best] > self.ratio:
-                self.ratio, self.found, self.travelled = float(largest[best]), True, float(middles[best])
+                self.ratio, self.found, self.travelled = (
+                    float(largest[best]),
+                    True,
+                    float(middles[best]),
+                )
                 self.handles = ratios.shape[1] + 1
             left = np.flatnonzero((most > self.ratio * (1 + _RELATIVE_TOLERANCE)).any(axis=1))
             if not left.size or 2 * halves.max() < _MIN_INTERVAL:
@@ -305,15 +348,21 @@ class _Search:
 
         An error of a coordinate changes the cosines of both benches there; `collision/bounds.py` has the equations.
         """
-        s, points, tangents, ratios = (part[0] for part in self.march.motion(self.travelled, self.handles))
+        s, points, tangents, ratios = (
+            part[0] for part in self.march.motion(self.travelled, self.handles)
+        )
         spacings = self.spacings[: self.handles - 1]
-        front, rear = (turn.real for turn in chain.angles(as_vectors(points), as_vectors(tangents), spacings))
+        front, rear = (
+            turn.real for turn in chain.angles(as_vectors(points), as_vectors(tangents), spacings)
+        )
         largest = np.abs([self.march.head_start, s[-1], *self.curve.inner_ends]).max()
         residual = np.abs(np.abs(np.diff(points)) - spacings).max() + _ROUNDED * np.spacing(largest)
         errors = ratios * residual
         errors[1:] += ratios[1:] * np.cumsum(residual / (rear * ratios[1:]))
         curvatures = np.abs(self.curve.curvature(s))
-        changes = (2 / spacings + np.maximum(curvatures[:-1], curvatures[1:])) * np.maximum(errors[:-1], errors[1:])
+        changes = (2 / spacings + np.maximum(curvatures[:-1], curvatures[1:])) * np.maximum(
+            errors[:-1], errors[1:]
+        )
         return float(np.sum(changes / front + changes / rear))
 
     def _ratios(self, first: Array, middle: Array, last: Array) -> tuple[Array, Array]:
@@ -353,10 +402,18 @@ class _Search:
         The curvature of an arc is constant, and that of a spiral is monotonic.
         """
         found = np.sort([self.curve.curvature(first), self.curve.curvature(last)], axis=0)
-        for joint, before, after in zip(self.curve.joints, self.curve.pieces[:-1], self.curve.pieces[1:], strict=True):
+        for joint, before, after in zip(
+            self.curve.joints, self.curve.pieces[:-1], self.curve.pieces[1:], strict=True
+        ):
             here = (first <= joint + _MIN_INTERVAL) & (last >= joint - _MIN_INTERVAL)
-            for end in (float(before.curvature(before.end_s)), float(after.curvature(after.begin_s))):
-                found[0, here], found[1, here] = np.minimum(found[0, here], end), np.maximum(found[1, here], end)
+            for end in (
+                float(before.curvature(before.end_s)),
+                float(after.curvature(after.begin_s)),
+            ):
+                found[0, here], found[1, here] = (
+                    np.minimum(found[0, here], end),
+                    np.maximum(found[1, here], end),
+                )
         return found
 
 

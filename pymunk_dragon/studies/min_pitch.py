@@ -76,7 +76,15 @@ class MinPitch(Result):
 
     def to_dict(self) -> dict[str, Any]:
         """Values in SI units, as `study min-pitch --json` prints them."""
-        names = ("pitch", "radius", "benches", "point", "clear_pitch", "contact_pitch", "larger_pitches")
+        names = (
+            "pitch",
+            "radius",
+            "benches",
+            "point",
+            "clear_pitch",
+            "contact_pitch",
+            "larger_pitches",
+        )
         time, arrival = self.march.time([self.distance, self.arrival_distance]).tolist()
         return {name: getattr(self, name) for name in names} | {"time": time, "arrival": arrival}
 
@@ -104,10 +112,16 @@ class MinPitch(Result):
         """The head and the benches around it at the contact, or at the start on the circle."""
         from pymunk_dragon.drawing.figures import style
 
-        title = text("At a pitch of {:.6f} m the head starts on the circle itself").format(self.pitch)
+        title = text("At a pitch of {:.6f} m the head starts on the circle itself").format(
+            self.pitch
+        )
         if self.benches is not None:
-            title = text("At a pitch of {:.6f} m benches {} and {} just touch").format(self.pitch, *self.benches)
-        aim = text("the smallest pitch at which handle 0 reaches the circle of {:g} m without a contact")
+            title = text("At a pitch of {:.6f} m benches {} and {} just touch").format(
+                self.pitch, *self.benches
+            )
+        aim = text(
+            "the smallest pitch at which handle 0 reaches the circle of {:g} m without a contact"
+        )
         figure = style.slide(title, aim.format(self.radius))
         axes = style.panels(figure)
         states = self.march.at(self.march.time(self.distance))
@@ -137,14 +151,24 @@ class _InwardMarch:
 
     def separations(self, benches: tuple[int, int], travelled: list[float]) -> Separation:
         """Separations (T,) of two benches at distances (T,) of the head, m."""
-        outlines = as_vectors(self.march.dragon.outlines_between(self.march.motion(travelled, max(benches) + 2).points))
+        outlines = as_vectors(
+            self.march.dragon.outlines_between(
+                self.march.motion(travelled, max(benches) + 2).points
+            )
+        )
         return separation(*(outlines[:, bench] for bench in benches))
 
     def gap(self, benches: tuple[int, int]) -> tuple[float, float]:
         """The smallest gap of two benches among near misses and both ends, m, and the head's distance there, m."""
         ends = [0.0, self.length]
-        misses = [(miss.gap, miss.time) for miss in self.found.near_misses or () if miss.benches == benches]
-        return min(*misses, *zip(self.separations(benches, ends).distance.tolist(), ends, strict=True))
+        misses = [
+            (miss.gap, miss.time)
+            for miss in self.found.near_misses or ()
+            if miss.benches == benches
+        ]
+        return min(
+            *misses, *zip(self.separations(benches, ends).distance.tolist(), ends, strict=True)
+        )
 
 
 def min_pitch(
@@ -194,7 +218,9 @@ def min_pitch(
     turns = positive("turns", turns, _MAX_TURNS, "")
     speed = finite("speed", speed, MIN_SPEED, MAX_SPEED, "m/s")
     # Inside the longest spacing a handle may have no position, and beyond the largest start there is no spiral.
-    radius = finite("radius", radius, float(dragon.spacings.max()), min(_MAX_RADIUS, MAX_PITCH * turns), "m")
+    radius = finite(
+        "radius", radius, float(dragon.spacings.max()), min(_MAX_RADIUS, MAX_PITCH * turns), "m"
+    )
     # Turns are not closer than the width, and the start is not inside the circle.
     narrowest = max(float(dragon.widths.max()) * _MIN_PITCH_RATIO, radius / turns)
 
@@ -211,7 +237,11 @@ def min_pitch(
             break
         clear.append(march)
     if not clear:
-        raise ParameterError("body_spacing", dragon.body_spacing, "long enough for benches not to touch on the circle")
+        raise ParameterError(
+            "body_spacing",
+            dragon.body_spacing,
+            "long enough for benches not to touch on the circle",
+        )
     if blocked is None and narrowest > radius / turns:
         short = "so many, and so long, that the dragon can run into itself outside the circle"
         raise ParameterError("benches", dragon.benches, short)
@@ -222,7 +252,12 @@ def min_pitch(
         benches = blocked.found.benches or (0, 0)
         distance = free.gap(benches)[1]
         x, y = free.separations(benches, [distance]).point[0].tolist()
-        touching = {"benches": benches, "point": (x, y), "distance": distance, "contact_pitch": blocked.pitch}
+        touching = {
+            "benches": benches,
+            "point": (x, y),
+            "distance": distance,
+            "contact_pitch": blocked.pitch,
+        }
     progress(1, 1)
     spiral = Spiral(pitch=limit)
     return MinPitch(
@@ -255,7 +290,10 @@ def _pitches(dragon: Dragon, radius: float, narrowest: float) -> list[float]:
 
 
 def _limit(
-    inward: Callable[[float], _InwardMarch], wider: _InwardMarch, free: _InwardMarch, blocked: _InwardMarch
+    inward: Callable[[float], _InwardMarch],
+    wider: _InwardMarch,
+    free: _InwardMarch,
+    blocked: _InwardMarch,
 ) -> tuple[float, _InwardMarch, _InwardMarch]:
     """The pitch at which two benches touch, m, and marches just above and below it, from two above and one below.
 
@@ -274,7 +312,9 @@ def _limit(
             wider, free = free, march
         else:
             blocked = march
-    raise DragonError(f"no limit of the pitch can be certified from {blocked.pitch:.9g} to {free.pitch:.9g} m")
+    raise DragonError(
+        f"no limit of the pitch can be certified from {blocked.pitch:.9g} to {free.pitch:.9g} m"
+    )
 
 
 def _zero(wider: _InwardMarch, free: _InwardMarch, benches: tuple[int, int]) -> float:

@@ -54,7 +54,11 @@ class Sensitivity(Result):
         contact, smallest = self.contact, self.smallest
         return {
             "contact": {"time": contact.time, "benches": contact.benches, "slopes": self.times},
-            "smallest_pitch": {"pitch": smallest.pitch, "benches": smallest.benches, "slopes": self.pitches},
+            "smallest_pitch": {
+                "pitch": smallest.pitch,
+                "benches": smallest.benches,
+                "slopes": self.pitches,
+            },
         }
 
     def _lines(self) -> list[str]:
@@ -110,7 +114,10 @@ def sensitivity(
         raise ParameterError("pitch", pitch, "one at which the dragon runs into itself")
     times, pitches = dict[str, float | None](), dict[str, float | None]()
     for done, name in enumerate(_SIZES, 1):
-        (contact_before, before), (contact_after, after) = answers(name, -_STEP), answers(name, _STEP)
+        (contact_before, before), (contact_after, after) = (
+            answers(name, -_STEP),
+            answers(name, _STEP),
+        )
         same = contact_before.benches == contact_after.benches == contact.benches
         times[name] = (contact_after.time - contact_before.time) / (2 * _STEP) if same else None
         same = before.benches == after.benches == smallest.benches

@@ -95,13 +95,22 @@ class MarchedTurn:
     def fastest(self) -> str:
         """A sentence about the largest ratio of speeds."""
         # To four decimals, on the side of the truth.
-        low, high = (math.floor(1e4 * self.ratio) / 1e4, math.ceil(1e4 * self.ratio * (1 + (self.excess or 0))) / 1e4)
+        low, high = (
+            math.floor(1e4 * self.ratio) / 1e4,
+            math.ceil(1e4 * self.ratio * (1 + (self.excess or 0))) / 1e4,
+        )
         if self.excess is None:
-            return text("some handle is at least {low:.4f} times as fast as the head").format(low=low)
+            return text("some handle is at least {low:.4f} times as fast as the head").format(
+                low=low
+            )
         if self.excess > _SHARP:
-            between = text("the fastest handle is {low:.4f} to {high:.4f} times as fast as the head")
+            between = text(
+                "the fastest handle is {low:.4f} to {high:.4f} times as fast as the head"
+            )
             return between.format(low=low, high=high)
-        return text("the fastest handle is {ratio:.4f} times as fast as the head").format(ratio=self.ratio)
+        return text("the fastest handle is {ratio:.4f} times as fast as the head").format(
+            ratio=self.ratio
+        )
 
     @property
     def length(self) -> float:
@@ -153,7 +162,10 @@ class TurnResult(Result):
             pieces = self.shortest.path.pieces[1:-1]
             arcs = [{"curvature": float(arc.curvature(0.0)), "length": arc.end_s} for arc in pieces]
             shortest = {"proven": False, "arcs": arcs, **self.shortest.to_dict()}
-        shape = {name: getattr(turn, name).tolist() for name in ("radii", "centres", "sweeps", "tangent_points")}
+        shape = {
+            name: getattr(turn, name).tolist()
+            for name in ("radii", "centres", "sweeps", "tangent_points")
+        }
         return {**self.contests.to_dict(), **shape, "shortest": shortest}
 
     def _lines(self) -> list[str]:
@@ -164,7 +176,9 @@ class TurnResult(Result):
             "as long with any other ratio of the radii"
         )
         angle, (x, y), (u, v) = math.degrees(abs(self.turn.sweeps[0])), one, other
-        arcs = arcs.format(length=self.turn.length, first=first, second=second, angle=angle, x=x, y=y, u=u, v=v)
+        arcs = arcs.format(
+            length=self.turn.length, first=first, second=second, angle=angle, x=x, y=y, u=u, v=v
+        )
         lines = [*labelled(text("the turn:"), arcs), *self.contests.lines()]
         if self.shortest is None:
             return lines
@@ -174,7 +188,9 @@ class TurnResult(Result):
             "{length:.4f} m on {arcs} arcs with radii of at least {radius:g} m:\n"
             "best found, not proven to be the shortest"
         )
-        best = best.format(length=self.shortest.length, arcs=len(self.shortest.path.pieces) - 2, radius=_MIN_RADIUS)
+        best = best.format(
+            length=self.shortest.length, arcs=len(self.shortest.path.pieces) - 2, radius=_MIN_RADIUS
+        )
         return [*lines, *labelled(text("shorter:"), best), *self.shortest.lines()]
 
     def _draw(self) -> Figure:
@@ -185,12 +201,20 @@ class TurnResult(Result):
         figure = style.slide(title, self.contests.fastest)
         axes = style.panels(figure)
         turn = np.linspace(0, 2 * np.pi, 400)
-        axes.plot(*(self.turn.radius * np.array([np.cos(turn), np.sin(turn)])), color=style.COLOURS.motion, ls="--")
+        axes.plot(
+            *(self.turn.radius * np.array([np.cos(turn), np.sin(turn)])),
+            color=style.COLOURS.motion,
+            ls="--",
+        )
         for marched, colour in ((self.contests, style.BLUE), (self.shortest, style.AMBER)):
             if marched is not None:
                 path, arcs = marched.path, len(marched.path.pieces) - 2
                 name = text("{} arcs, {:.4f} m").format(arcs, marched.length)
-                axes.plot(*path.point(np.linspace(-4.0, path.joints[-1] + 4.0, 1200)).T, color=colour, label=name)
+                axes.plot(
+                    *path.point(np.linspace(-4.0, path.joints[-1] + 4.0, 1200)).T,
+                    color=colour,
+                    label=name,
+                )
                 axes.plot(*path.point(path.joints).T, "o", color=colour, ms=5)
         axes.set(aspect="equal", xlabel="x (m)", ylabel="y (m)")
         axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
@@ -249,7 +273,9 @@ def u_turn(
     def marched(path: Composite, peak: _Peak) -> MarchedTurn:
         march = March(dragon, path, speed=speed)
         contact = first_contact(march, start=times[0], until=times[-1])
-        return MarchedTurn(path=path, march=march, contact=contact, ratio=peak.ratio, excess=peak.excess)
+        return MarchedTurn(
+            path=path, march=march, contact=contact, ratio=peak.ratio, excess=peak.excess
+        )
 
     shortest = marched(*_shortest_turn(turn, dragon, peak, progress)) if search else None
     return TurnResult(turn=turn, times=times, contests=marched(turn, peak), shortest=shortest)
@@ -257,11 +283,15 @@ def u_turn(
 
 def _followed(turn: UTurn, dragon: Dragon) -> Array:
     """Spacings of the foremost benches, which are in the turn with the head."""
-    return dragon.spacings[: int(np.searchsorted(np.cumsum(dragon.spacings), turn.length + _CHAIN_MARGIN)) + 1]
+    return dragon.spacings[
+        : int(np.searchsorted(np.cumsum(dragon.spacings), turn.length + _CHAIN_MARGIN)) + 1
+    ]
 
 
 def _too_small(turn: UTurn) -> ParameterError:
-    return ParameterError("radius", turn.radius, "large enough for the dragon to get round the turn")
+    return ParameterError(
+        "radius", turn.radius, "large enough for the dragon to get round the turn"
+    )
 
 
 class _Peak(NamedTuple):
@@ -288,7 +318,9 @@ def _sampled_ratio(path: Composite, spacings: Array) -> float:
     return float(ratios.max()) if np.all(ratios > 0) else math.inf
 
 
-def _shortest_turn(base: UTurn, dragon: Dragon, peak: _Peak, progress: Progress) -> tuple[Composite, _Peak]:
+def _shortest_turn(
+    base: UTurn, dragon: Dragon, peak: _Peak, progress: Progress
+) -> tuple[Composite, _Peak]:
     """The shortest turn found, with its largest ratio, which is no larger than `peak` of `base`; otherwise `base`."""
     spacings = _followed(base, dragon)
     limit = _sampled_ratio(base, spacings)
@@ -328,10 +360,20 @@ class _Arcs(NamedTuple):
     def path(self, base: UTurn) -> Composite:
         """The path with the spirals of another turn; an error if an arc vanishes or is straight."""
         curvatures, centres = self.curvatures.tolist(), self.centres.tolist()
-        begins, sweeps = self.headings[:-1] - np.copysign(np.pi / 2, curvatures), np.diff(self.headings)
+        begins, sweeps = (
+            self.headings[:-1] - np.copysign(np.pi / 2, curvatures),
+            np.diff(self.headings),
+        )
         arcs = [
-            Arc(centre=(centre.real, centre.imag), radius=1 / abs(curvature), begin_angle=begin, sweep=sweep)
-            for centre, curvature, begin, sweep in zip(centres, curvatures, begins, sweeps, strict=True)
+            Arc(
+                centre=(centre.real, centre.imag),
+                radius=1 / abs(curvature),
+                begin_angle=begin,
+                sweep=sweep,
+            )
+            for centre, curvature, begin, sweep in zip(
+                centres, curvatures, begins, sweeps, strict=True
+            )
         ]
         return Composite((base.pieces[0], *arcs, base.pieces[-1]))
 
@@ -339,10 +381,20 @@ class _Arcs(NamedTuple):
         """Violations of the limits of arcs: the circle of the radius, the least radius of an arc and its length."""
         curvatures, centres = self.curvatures, self.centres
         # The farthest point of a full circle is on the ray from the origin through its centre.
-        turned = (np.angle(1j * centres * curvatures) - self.headings[:-1]) * np.sign(curvatures) % (2 * np.pi)
-        summits = np.where(turned < np.abs(curvatures) * self.lengths, np.abs(centres) + 1 / np.abs(curvatures), 0.0)
+        turned = (
+            (np.angle(1j * centres * curvatures) - self.headings[:-1])
+            * np.sign(curvatures)
+            % (2 * np.pi)
+        )
+        summits = np.where(
+            turned < np.abs(curvatures) * self.lengths,
+            np.abs(centres) + 1 / np.abs(curvatures),
+            0.0,
+        )
         outside = np.concatenate([np.abs(self.joints[1:-1]), summits]) / radius - 1
-        return np.concatenate([outside, np.abs(curvatures) * _MIN_RADIUS - 1, _MIN_ARC - self.lengths])
+        return np.concatenate(
+            [outside, np.abs(curvatures) * _MIN_RADIUS - 1, _MIN_ARC - self.lengths]
+        )
 
 
 class _Search:
@@ -363,7 +415,9 @@ class _Search:
                 rest = -2 * self._entry - sum(chords)
                 chord = rest / (1 + np.exp(x[6] + 0.5j * (self._heading - headings[-1])))
                 chords += [chord, rest - chord]
-            headings.append(headings[-1] + 2 * float(np.angle(chords[k] * np.exp(-1j * headings[-1]))))
+            headings.append(
+                headings[-1] + 2 * float(np.angle(chords[k] * np.exp(-1j * headings[-1])))
+            )
         lengths = np.abs(chords) / np.sinc(np.diff(headings) / (2 * np.pi))
         return _Arcs(self._entry + np.cumsum([0, *chords]), np.array(headings), lengths)
 
@@ -377,8 +431,12 @@ class _Search:
         path = arcs.path(self._base)
         heads = np.arange(0.0, self._base.length + _HEAD_MARGIN, _SAMPLING)
         chains = path.chain(heads, self._spacings).T
-        kinks = np.sort(np.concatenate([np.interp(path.joints, handle, heads) for handle in chains]))
-        sampled = np.interp(np.arange(SAMPLES * (kinks.size - 1)) / SAMPLES, np.arange(kinks.size), kinks)
+        kinks = np.sort(
+            np.concatenate([np.interp(path.joints, handle, heads) for handle in chains])
+        )
+        sampled = np.interp(
+            np.arange(SAMPLES * (kinks.size - 1)) / SAMPLES, np.arange(kinks.size), kinks
+        )
         handles_s = np.stack([np.interp(sampled, heads, handle) for handle in chains], axis=1)
         ratios = chain.chain_motion(path, handles_s, self._spacings).ratios[:, 1:].ravel()
         speeds = np.where(ratios > 0, (ratios - self._limit) / (self._limit - 1), _STUCK)

@@ -39,9 +39,17 @@ def _axis(name: str, values: Sequence[float]) -> tuple[float, ...]:
     return tuple(numbers.astype(int if whole_numbers else float).tolist())
 
 
-def given_values(scenario: Scenario | March | Mapping[str, Any] | None, axes: Axes) -> dict[str, Any]:
+def given_values(
+    scenario: Scenario | March | Mapping[str, Any] | None, axes: Axes
+) -> dict[str, Any]:
     """Values of parameters of a scenario in any form."""
-    known = Scenario.of(scenario) if isinstance(scenario, March) else {} if scenario is None else scenario
+    known = (
+        Scenario.of(scenario)
+        if isinstance(scenario, March)
+        else {}
+        if scenario is None
+        else scenario
+    )
     values = known.values() if isinstance(known, Scenario) else Scenario.flat(known)
     if "start_s" in axes:
         values.pop("turns", None)
@@ -58,7 +66,11 @@ def base_values(quantity: Quantity, given: Values, axes: Axes) -> dict[str, Any]
         except ParameterError as error:
             errors.append(error)
     first = errors[0]
-    raise ParameterError("axis", f"{first.name}={first.value}", first.bound) if first.name in axes else first
+    raise (
+        ParameterError("axis", f"{first.name}={first.value}", first.bound)
+        if first.name in axes
+        else first
+    )
 
 
 def reference_values(quantity: Quantity, given: Values, axes: Axes) -> dict[str, float]:

@@ -26,7 +26,15 @@ if TYPE_CHECKING:
 _VALUES = ("#fde18b", "#aacd90", "#63ad99", "#2a879d", "#355b92")
 # Units by the last words of names.
 _UNITS = dict.fromkeys(("pitch", "width", "overhang", "spacing", "radius", "gap", "drift"), "m")
-_UNITS |= {"speed": "m/s", "time": "s", "error": "s", "start": "s", "until": "s", "substep": "s", "start_s": "m"}
+_UNITS |= {
+    "speed": "m/s",
+    "time": "s",
+    "error": "s",
+    "start": "s",
+    "until": "s",
+    "substep": "s",
+    "start_s": "m",
+}
 # Share of the points above which the benches that touch there are named.
 _NAMED = 0.03
 
@@ -36,7 +44,9 @@ def draw(found: Sweep) -> Figure:
     names = varied(found.axes) or found.names[:1]
     at = [np.array(found.column(name), dtype=float) for name in names]
     cells = [row[len(found.names) :] for row in found.rows()]
-    values = np.array([row[0] if isinstance(row[0], int | float) else np.nan for row in cells], dtype=float)
+    values = np.array(
+        [row[0] if isinstance(row[0], int | float) else np.nan for row in cells], dtype=float
+    )
     labels = list(map(_label, cells))
     figure = chart(8.0, 6.0)
     axes = figure.add_subplot(xlabel=_words(names[0], unit=True))
@@ -61,10 +71,20 @@ def _draw_missing(axes: Axes, at: Sequence[Array], missing: Flags) -> None:
     """Draw crosses at the points that are `missing`."""
     if missing.any():
         heights = [*at, np.full(missing.size, axes.get_ylim()[0])][1]
-        axes.plot(at[0][missing], heights[missing], "x", color=QUIET, ms=4, label=text("no value"), gid="missing")
+        axes.plot(
+            at[0][missing],
+            heights[missing],
+            "x",
+            color=QUIET,
+            ms=4,
+            label=text("no value"),
+            gid="missing",
+        )
 
 
-def _write_titles(figure: Figure, axes: Axes, found: Sweep, names: Sequence[str], values: Array) -> None:
+def _write_titles(
+    figure: Figure, axes: Axes, found: Sweep, names: Sequence[str], values: Array
+) -> None:
     """Write titles, with the range of the `values` (P,) that are finite, and a legend."""
     note = text("{0} points")
     if "bench_a" in found.columns and len(names) == 1:
@@ -83,7 +103,9 @@ def _write_titles(figure: Figure, axes: Axes, found: Sweep, names: Sequence[str]
 
 def _draw_line(axes: Axes, x: Array, values: Array, labels: Sequence[str]) -> None:
     """Draw values over one axis, with a line for each run of points of one label."""
-    for label, run in groupby(np.argsort(x, kind="stable").tolist(), key=lambda number: labels[number]):
+    for label, run in groupby(
+        np.argsort(x, kind="stable").tolist(), key=lambda number: labels[number]
+    ):
         part = list(run)
         if np.isfinite(values[part]).any():
             name = label if len(part) > _NAMED * len(x) else None
@@ -95,7 +117,10 @@ def _draw_map(axes: Axes, x: Array, y: Array, values: Array, labels: Sequence[st
     from matplotlib.colors import LinearSegmentedColormap
 
     (across, column), (up, row) = (np.unique(each, return_inverse=True) for each in (x, y))
-    cells, names = np.full((len(up), len(across)), np.nan), np.full((len(up), len(across)), "", dtype=object)
+    cells, names = (
+        np.full((len(up), len(across)), np.nan),
+        np.full((len(up), len(across)), "", dtype=object),
+    )
     cells[row, column], names[row, column] = values, labels
     sides, heights = _edges(across), _edges(up)
     colours = LinearSegmentedColormap.from_list("sweep", list(_VALUES))

@@ -43,12 +43,18 @@ class Quantity:
     def complete_values(self, values: Values) -> dict[str, Any]:
         """Complete and plain values of parameters; a `ParameterError` if one is out of range or no parameter."""
         scenario, own = self.scenario(values)
-        return {name: value for name, value in scenario.values().items() if name not in self.own_parameters} | own
+        return {
+            name: value
+            for name, value in scenario.values().items()
+            if name not in self.own_parameters
+        } | own
 
     def scenario(self, values: Values) -> tuple[Scenario, dict[str, Any]]:
         """The scenario of values of parameters, and the function's own ones."""
         others = dict(values)
-        own = {name: _plain(name, others.pop(name)) for name in self.own_parameters if name in others}
+        own = {
+            name: _plain(name, others.pop(name)) for name in self.own_parameters if name in others
+        }
         return Scenario.from_dict(others), own
 
 
@@ -79,7 +85,9 @@ def evaluate(name: str, base: Values, point: Values) -> Outcome:
         found = dict(quantity.function(scenario.march(), **own))
         return {_column(key, point): _plain(key, value) for key, value in found.items()}, None
     except BaseException as error:
-        reason = str(error) if isinstance(error, DragonError) else f"{type(error).__name__}: {error}"
+        reason = (
+            str(error) if isinstance(error, DragonError) else f"{type(error).__name__}: {error}"
+        )
         return None, one_line(reason)[:_MAX_MESSAGE]
 
 
@@ -87,7 +95,9 @@ def _column(name: object, axes: Values) -> str:
     """The name of one of a quantity's values, if it can be that of a column beside those of the axes."""
     if isinstance(name, str) and name.isprintable() and name not in {"", "error", *axes}:
         return name
-    raise ParameterError("a name of the quantity's values", name, "printable, and that of no other column")
+    raise ParameterError(
+        "a name of the quantity's values", name, "printable, and that of no other column"
+    )
 
 
 def _plain(name: str, value: object) -> float | str | None:
@@ -111,7 +121,9 @@ def contact_time(march: March, *, start: float = 0.0, until: float | None = None
     return {"contact_time": time, **_benches(hit.benches), "status": hit.status}
 
 
-def _min_pitch(march: March, *, turns: float = 16.0, speed: float = 1.0, radius: float = 4.5) -> Values:
+def _min_pitch(
+    march: March, *, turns: float = 16.0, speed: float = 1.0, radius: float = 4.5
+) -> Values:
     """Smallest pitch at which the head reaches the circle."""
     found = min_pitch(march.dragon, turns=turns, speed=speed, radius=radius)
     return {"min_pitch": found.pitch, **_benches(found.benches)}

@@ -50,12 +50,16 @@ class Sweep(Result):
     (2, [0.3, 0.4])
     """
 
-    def __init__(self, quantity: Quantity, partial: PartialTable, reference: Values, seconds: float) -> None:
+    def __init__(
+        self, quantity: Quantity, partial: PartialTable, reference: Values, seconds: float
+    ) -> None:
         self.quantity, self.summary = quantity.name, quantity.summary
         self.axes, self.reference = partial.axes, reference
         self.names = tuple(self.axes)
         self.points = partial.count
-        self._values, self._errors = zip(*map(partial.rows.__getitem__, range(self.points)), strict=True)
+        self._values, self._errors = zip(
+            *map(partial.rows.__getitem__, range(self.points)), strict=True
+        )
         self._of_quantity = list(dict.fromkeys(chain.from_iterable(filter(None, self._values))))
         self.columns = (*self.names, *self._of_quantity, "error")
         self.failed = self.points - self._errors.count(None)
@@ -64,7 +68,9 @@ class Sweep(Result):
 
     def rows(self) -> Iterator[list[Any]]:
         """The rows of the table in the order of the grid, each with a value or None for each column."""
-        for point, values, error in zip(product(*self.axes.values()), self._values, self._errors, strict=True):
+        for point, values, error in zip(
+            product(*self.axes.values()), self._values, self._errors, strict=True
+        ):
             yield [*point, *map((values or {}).get, self._of_quantity), error]
 
     def column(self, name: str) -> NDArray[Any]:

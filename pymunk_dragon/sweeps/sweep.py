@@ -36,7 +36,11 @@ from pymunk_dragon.sweeps.result import Sweep, check_format
 _MAX_RUNNING = 256
 # Worker processes, at most (Windows waits for no more), and processors for this process, of which each gets one.
 _MAX_WORKERS = 61 if os.name == "nt" else 1000
-_CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else min(os.cpu_count() or 1, _MAX_WORKERS)
+_CORES = (
+    len(os.sched_getaffinity(0))
+    if hasattr(os, "sched_getaffinity")
+    else min(os.cpu_count() or 1, _MAX_WORKERS)
+)
 
 
 def sweep(
@@ -98,7 +102,11 @@ def sweep(
     begin = perf_counter()
     function("progress", progress)
     flag("resume", resume)
-    paths = (out,) if isinstance(out, str | Path) else instances("out", out, str | Path, "a path, or several")
+    paths = (
+        (out,)
+        if isinstance(out, str | Path)
+        else instances("out", out, str | Path, "a path, or several")
+    )
     chosen = quantity_of(quantity)
     points = axes_of(axes, chosen.parameters)
     given = given_values(scenario, points)
@@ -109,10 +117,14 @@ def sweep(
     pool = _pool(executor, scheduler, workers)
     with PartialTable(files, _description(chosen, points, base), points, resume=resume) as partial:
         with pool as started:
-            for rows in _outcomes(started, partial_of(evaluate, chosen.name, base), partial.missing()):
+            for rows in _outcomes(
+                started, partial_of(evaluate, chosen.name, base), partial.missing()
+            ):
                 partial.append(rows)
                 progress(len(partial.rows), partial.count)
-        found = Sweep(chosen, partial, reference_values(chosen, given, points), perf_counter() - begin)
+        found = Sweep(
+            chosen, partial, reference_values(chosen, given, points), perf_counter() - begin
+        )
         for file in files:
             found.write(file)
     return found
@@ -126,7 +138,9 @@ def _description(quantity: Quantity, axes: Axes, base: Values) -> dict[str, Any]
     return described | {"axes": list(axes.items()), "scenario": sorted(base.items())}
 
 
-def _outcomes(pool: Executor, call: Callable[..., Outcome], points: Iterable[Any]) -> Iterator[dict[int, Outcome]]:
+def _outcomes(
+    pool: Executor, call: Callable[..., Outcome], points: Iterable[Any]
+) -> Iterator[dict[int, Outcome]]:
     """Evaluate a quantity by `call` at numbered points; yields outcomes by these numbers."""
     running: dict[Future[Outcome], int] = {}
     # Not `concurrent.futures.wait`: an interruption in it leaves futures locked, for which workers wait without end.
@@ -141,10 +155,14 @@ def _outcomes(pool: Executor, call: Callable[..., Outcome], points: Iterable[Any
         while running:
             yield _finished(running, done)
     except Exception as error:  # Whatever an executor raises.
-        raise DragonError(f"a worker was lost, or did not start: {type(error).__name__}: {error}") from error
+        raise DragonError(
+            f"a worker was lost, or did not start: {type(error).__name__}: {error}"
+        ) from error
 
 
-def _finished(running: dict[Future[Outcome], int], done: SimpleQueue[Future[Outcome]]) -> dict[int, Outcome]:
+def _finished(
+    running: dict[Future[Outcome], int], done: SimpleQueue[Future[Outcome]]
+) -> dict[int, Outcome]:
     """Remove futures that are done, and return their outcomes; if one has an error and no other has one, raise it."""
     found = [done.get(), *(done.get() for _ in range(done.qsize()))]
     chosen = list(filterfalse(Future.exception, found)) or found
@@ -153,7 +171,9 @@ def _finished(running: dict[Future[Outcome], int], done: SimpleQueue[Future[Outc
     return {running.pop(future): future.result() for future in chosen}
 
 
-def _pool(executor: Executor | None, scheduler: str | None, workers: int | None) -> AbstractContextManager[Executor]:
+def _pool(
+    executor: Executor | None, scheduler: str | None, workers: int | None
+) -> AbstractContextManager[Executor]:
     """A context with the executor that these arguments of `sweep` mean."""
     count = whole("workers", _CORES if workers is None else workers, 1, _MAX_WORKERS)
     if not isinstance(executor, Executor | None):

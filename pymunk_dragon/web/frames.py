@@ -17,7 +17,9 @@ from pymunk_dragon.drawing.debug_draw import DrawCall
 _KINDS = {"circle": 0, "segment": 1, "polygon": 2, "line": 3, "dot": 4}
 
 
-def packed(calls: Sequence[DrawCall], grip: Callable[[Any], int]) -> tuple[Array, list[list[float]]]:
+def packed(
+    calls: Sequence[DrawCall], grip: Callable[[Any], int]
+) -> tuple[Array, list[list[float]]]:
     """Return calls as numbers, and their colours.
 
     A call is its kind, number of points, radius, angle, fill, outline and grip, and the points.

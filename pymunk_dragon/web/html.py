@@ -26,7 +26,9 @@ def substituted(template: str, **values: str) -> str:
 def embedded_json(value: Any) -> str:
     """JSON of a value for a `script` element of a page."""
     # "<" is escaped, since an HTML parser would take "</script>" or "<!--" for markup.
-    return json.dumps(value, separators=(",", ":"), allow_nan=False, ensure_ascii=False).replace("<", "\\u003c")
+    return json.dumps(value, separators=(",", ":"), allow_nan=False, ensure_ascii=False).replace(
+        "<", "\\u003c"
+    )
 
 
 def filled(package: str, template: str, **values: Any) -> str:
@@ -49,7 +51,9 @@ def data_address(content: bytes, media_type: str) -> str:
 
 def policy(style: str, script: str, pictures: str = "data:") -> str:
     """Content security policy that allows this style, this script, and pictures from addresses `pictures`."""
-    style_hash, script_hash = (b64encode(sha256(text.encode()).digest()).decode("ascii") for text in (style, script))
+    style_hash, script_hash = (
+        b64encode(sha256(text.encode()).digest()).decode("ascii") for text in (style, script)
+    )
     return (
         f"default-src 'none'; script-src 'sha256-{script_hash}'; style-src 'sha256-{style_hash}'; "
         f"img-src {pictures}; base-uri 'none'; form-action 'none'"

@@ -29,7 +29,18 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 import exact_curves
 import oracle
 
-from pymunk_dragon import Dragon, EngineSettings, Film, Grid, March, Run, UTurn, World, first_contact, separation
+from pymunk_dragon import (
+    Dragon,
+    EngineSettings,
+    Film,
+    Grid,
+    March,
+    Run,
+    UTurn,
+    World,
+    first_contact,
+    separation,
+)
 from pymunk_dragon._arrays import Array
 from pymunk_dragon._extras import library
 from pymunk_dragon.drawing import render
@@ -49,13 +60,33 @@ SIZE, FPS = 640, 20
 
 def answers() -> None:
     """The five answers of `studies` beside those of independent methods in 34 to 50 digits, and the time of both, s."""
-    text = {"width": "0.3", "overhang": "0.275", "head_spacing": "2.86", "body_spacing": "1.65", "pitch": "0.55"}
+    text = {
+        "width": "0.3",
+        "overhang": "0.275",
+        "head_spacing": "2.86",
+        "body_spacing": "1.65",
+        "pitch": "0.55",
+    }
     sizes = {name: mp.mpf(value) for name, value in text.items()}
-    chain = {"benches": 223, "head_spacing": 2.86, "body_spacing": 1.65, "pitch": 0.55, "turns": 16, "speed": 1}
+    chain = {
+        "benches": 223,
+        "head_spacing": 2.86,
+        "body_spacing": 1.65,
+        "pitch": 0.55,
+        "turns": 16,
+        "speed": 1,
+    }
 
-    def row(question: str, ours: Callable[[], Any], theirs: Callable[[], mp.mpf], method: str) -> None:
+    def row(
+        question: str, ours: Callable[[], Any], theirs: Callable[[], mp.mpf], method: str
+    ) -> None:
         begin = time.perf_counter()
-        one, between, other, end = mp.mpf(ours()), time.perf_counter(), theirs(), time.perf_counter()
+        one, between, other, end = (
+            mp.mpf(ours()),
+            time.perf_counter(),
+            theirs(),
+            time.perf_counter(),
+        )
         decimals = int(-mp.log10(max(abs(one - other), mp.mpf("1e-16"))))
         shown = f"{mp.nstr(one, 13)} | {mp.nstr(other, 13)} | {decimals} | {between - begin:.2f}"
         print(f"| {question} | {shown} | {method}, {end - between:.1f} |", flush=True)
@@ -67,14 +98,34 @@ def answers() -> None:
         return oracle.grazing((0, 19), "216.34", sizes | {"pitch": mp.mpf("0.45034")})[1]
 
     positions = partial(March().at, np.arange(301.0))
-    row("1, x of handle 223 at 300 s, m", lambda: positions().positions[300, -1, 0].item(), last_handle, "50 digits")
+    row(
+        "1, x of handle 223 at 300 s, m",
+        lambda: positions().positions[300, -1, 0].item(),
+        last_handle,
+        "50 digits",
+    )
     touching = partial(oracle.touching, (0, 8), "412.47", sizes)
     row("2, first contact, s", lambda: first_contact(March()).time, touching, "root in 50 digits")
-    row("3, smallest pitch, m", lambda: min_pitch().pitch, smallest_pitch, "grazing moment in 50 digits")
+    row(
+        "3, smallest pitch, m",
+        lambda: min_pitch().pitch,
+        smallest_pitch,
+        "grazing moment in 50 digits",
+    )
     with mp.workdps(exact_curves.DIGITS):
         turn = partial(exact_curves.s_turn, mp.mpf("1.7"), mp.mpf("4.5"), mp.mpf(2))
-        row("4, length of the turn, m", lambda: UTurn().length, lambda: turn()[-1], "tangency in 34 digits")
-        row("5, largest speed, m/s", lambda: max_speed().speed, largest_speed, "its maximum in 34 digits")
+        row(
+            "4, length of the turn, m",
+            lambda: UTurn().length,
+            lambda: turn()[-1],
+            "tangency in 34 digits",
+        )
+        row(
+            "5, largest speed, m/s",
+            lambda: max_speed().speed,
+            largest_speed,
+            "its maximum in 34 digits",
+        )
 
 
 def largest_speed() -> mp.mpf:
@@ -82,11 +133,17 @@ def largest_speed() -> mp.mpf:
     path, spacings, tiny = exact_curves.u_turn(), Dragon().spacings[:3], mp.mpf("1e-12")
 
     def ratio(way: mp.mpf) -> mp.mpf:
-        before, after = (exact_curves.walked_chain(path, way + sign * tiny, spacings)[-1] for sign in (-1, 1))
+        before, after = (
+            exact_curves.walked_chain(path, way + sign * tiny, spacings)[-1] for sign in (-1, 1)
+        )
         return (after - before) / (2 * tiny)
 
     step, ends = mp.mpf("1e-4"), (mp.mpf("14.47"), mp.mpf("14.49"))
-    return 2 / ratio(mp.findroot(lambda at: ratio(at + step) - ratio(at - step), ends, solver="anderson", tol=1e-12))
+    return 2 / ratio(
+        mp.findroot(
+            lambda at: ratio(at + step) - ratio(at - step), ends, solver="anderson", tol=1e-12
+        )
+    )
 
 
 def plain_recursion(times: Array) -> tuple[Array, Array]:
@@ -162,26 +219,53 @@ def time_of_impact() -> None:
     """Contacts of turning boxes that Box2D's time of impact misses, or finds late (`renders/guides/certificate.md`)."""
     import Box2D  # Not for every Python.
 
-    shape, random = Box2D.b2PolygonShape(box=(BOX.lengths[0] / 2, BOX.widths[0] / 2)), np.random.default_rng(1)
+    shape, random = (
+        Box2D.b2PolygonShape(box=(BOX.lengths[0] / 2, BOX.widths[0] / 2)),
+        np.random.default_rng(1),
+    )
 
     def impact(first: Array, last: Array) -> float:
-        one, other = (Box2D.b2Sweep(c0=p[:2], a0=p[2], c=q[:2], a=q[2]) for p, q in zip(first, last, strict=True))
-        state, share = Box2D.b2TimeOfImpact(shapeA=shape, shapeB=shape, sweepA=one, sweepB=other, tMax=1.0)
-        return share if state in (Box2D.b2TOIOutput.e_touching, Box2D.b2TOIOutput.e_overlapped) else np.inf
+        one, other = (
+            Box2D.b2Sweep(c0=p[:2], a0=p[2], c=q[:2], a=q[2])
+            for p, q in zip(first, last, strict=True)
+        )
+        state, share = Box2D.b2TimeOfImpact(
+            shapeA=shape, shapeB=shape, sweepA=one, sweepB=other, tMax=1.0
+        )
+        return (
+            share
+            if state in (Box2D.b2TOIOutput.e_touching, Box2D.b2TOIOutput.e_overlapped)
+            else np.inf
+        )
 
     cases, count = sized(20_000, 200), sized(501, 21)
-    print("| turn up to, rad | contacts deeper than 20 mm | missed by Box2D | late | missed by advancement |")
+    print(
+        "| turn up to, rad | contacts deeper than 20 mm | missed by Box2D | late | missed by advancement |"
+    )
     for turn in (0.0, 0.5, 1.0, 1.57, 3.0):
         first = np.zeros((cases, 2, 3))
-        first[:, 1, :2], first[..., 2] = random.uniform(-3, 3, (cases, 2)), random.uniform(0, 2 * np.pi, (cases, 2))
+        first[:, 1, :2], first[..., 2] = (
+            random.uniform(-3, 3, (cases, 2)),
+            random.uniform(0, 2 * np.pi, (cases, 2)),
+        )
         last = first + random.uniform(-1, 1, first.shape) * (1, 1, turn)
-        samples = np.stack([gaps(first, last, np.full(cases, share)) for share in np.linspace(0, 1, count)])
+        samples = np.stack(
+            [gaps(first, last, np.full(cases, share)) for share in np.linspace(0, 1, count)]
+        )
         deep = (samples[0] > 0.03) & (samples.min(axis=0) < -0.02)
-        first, last, begins = first[deep], last[deep], (samples[:, deep] <= 0).argmax(axis=0) / (count - 1)
-        theirs = np.array([impact(*case) for case in zip(first.tolist(), last.tolist(), strict=True)])
+        first, last, begins = (
+            first[deep],
+            last[deep],
+            (samples[:, deep] <= 0).argmax(axis=0) / (count - 1),
+        )
+        theirs = np.array(
+            [impact(*case) for case in zip(first.tolist(), last.tolist(), strict=True)]
+        )
         missed, late = np.isinf(theirs), np.isfinite(theirs) & (theirs > begins + 0.01)
         ours = (advanced(first, last) > begins).sum()
-        print(f"| {turn} | {deep.sum()} | {missed.sum()}, {missed.mean():.1%} | {late.sum()} | {ours} |")
+        print(
+            f"| {turn} | {deep.sum()} | {missed.sum()}, {missed.mean():.1%} | {late.sum()} | {ours} |"
+        )
 
 
 def engine() -> None:
@@ -202,8 +286,12 @@ def drift() -> None:
     """Drift of the first twelve benches and of any, µm, and error of the contact, ms, from 400 s on (`physics`)."""
     march = March()
     exact = first_contact(march).time or 0.0
-    rates, tries, drags = sized(((25, 50, 100, 400), (10, 60), (5.0, 7.0, 9.0, 15.0, 20.0)), ((100,), (10,), (5.0,)))
-    settings = [(1 / rate, iterations, EngineSettings.drag) for rate in rates for iterations in tries]
+    rates, tries, drags = sized(
+        ((25, 50, 100, 400), (10, 60), (5.0, 7.0, 9.0, 15.0, 20.0)), ((100,), (10,), (5.0,))
+    )
+    settings = [
+        (1 / rate, iterations, EngineSettings.drag) for rate in rates for iterations in tries
+    ]
     for substep, iterations, drag in [*settings, *((1 / 50, 10, drag) for drag in drags)]:
         chosen = EngineSettings(substep=substep, iterations=iterations, drag=drag)
         played = simulate(march, settings=chosen, start=sized(400.0, 412.0), until=414.0)
@@ -217,9 +305,13 @@ def pile_up() -> None:
     """Gaps of joints, overlaps, and motion in the last 5 s, mm, 10 s after a contact that is resolved (`physics`)."""
     march, contact = March(), 412.474
     played, rest = sized((10.0, 5.0), (0.5, 0.1))
-    cases = sized(((100, None), (200, 300.0), (200, None), (200, 3000.0), (400, None)), ((100, None),))
+    cases = sized(
+        ((100, None), (200, 300.0), (200, None), (200, 3000.0), (400, None)), ((100, None),)
+    )
     for rate, force in cases:
-        chosen = EngineSettings(substep=1 / rate, frame_interval=1 / rate, head_force=force, contacts="resolve")
+        chosen = EngineSettings(
+            substep=1 / rate, frame_interval=1 / rate, head_force=force, contacts="resolve"
+        )
         found = simulate(march, settings=chosen, start=contact - 0.5, until=contact + played)
         assert found.first_contact is not None
         assert found.settings is not None
@@ -246,7 +338,11 @@ def matplotlib_animation(run: Run, film: Film, path: Path) -> None:
     march, palette = run.march, Palette()
     figure = Figure(figsize=(SIZE / 100, SIZE / 100), dpi=100)
     axes = figure.add_subplot(aspect="equal", xlim=(-11.5, 11.5), ylim=(-11.5, 11.5))
-    axes.plot(*march.curve.point(np.linspace(*march.span(times[0], times[-1]), 5000)).T, color=palette.curve, lw=0.5)
+    axes.plot(
+        *march.curve.point(np.linspace(*march.span(times[0], times[-1]), 5000)).T,
+        color=palette.curve,
+        lw=0.5,
+    )
     benches = PolyCollection([], facecolors=palette.body, edgecolors=palette.ink, linewidths=0.5)
     axes.add_collection(benches)
     clock = axes.set_title("")
@@ -263,10 +359,14 @@ def film() -> None:
     count, start, step = sized(300, 4), 100.0, 0.5
     times = start + step * np.arange(count)
     run = Run.exact(March(), times)
-    film = Film(size=SIZE, fps=FPS, speedup=FPS * step, start=start, until=times[-1], hold=0.0, legend=False)
+    film = Film(
+        size=SIZE, fps=FPS, speedup=FPS * step, start=start, until=times[-1], hold=0.0, legend=False
+    )
     with tempfile.TemporaryDirectory() as folder:
         ways: dict[str, Callable[[Path], object]] = {"render": lambda path: render(run, path, film)}
-        ways |= {way.__name__: partial(way, run, film) for way in (imageio_rgb, matplotlib_animation)}
+        ways |= {
+            way.__name__: partial(way, run, film) for way in (imageio_rgb, matplotlib_animation)
+        }
         works = {name: partial(way, Path(folder, f"{name}.gif")) for name, way in ways.items()}
         for name, value in compare(works, sized(3, 1)).items():
             size = Path(folder, f"{name}.gif").stat().st_size / 1e6
@@ -295,12 +395,19 @@ def debug_draw() -> None:
             space.debug_draw(matplotlib_util.DrawOptions(axes))
         canvas.draw()
 
-    compare({"Pillow": with_pillow, "pymunk.matplotlib_util": with_matplotlib}, sized(9, 1), time.process_time)
+    compare(
+        {"Pillow": with_pillow, "pymunk.matplotlib_util": with_matplotlib},
+        sized(9, 1),
+        time.process_time,
+    )
 
 
 def sweep_seconds(points: int, scheduler: str | None) -> float:
     """Wall time of a sweep of the quantity of no work, s."""
-    axes = {"pitch": np.linspace(0.5, 0.6, points // 10).tolist(), "overhang": np.linspace(0.1, 0.2, 10).tolist()}
+    axes = {
+        "pitch": np.linspace(0.5, 0.6, points // 10).tolist(),
+        "overhang": np.linspace(0.1, 0.2, 10).tolist(),
+    }
     with tempfile.TemporaryDirectory() as folder:
         table, short = Path(folder, "table.csv"), {"benches": 2, "turns": 8}
         return sweep(short, axes, nothing, out=table, scheduler=scheduler, workers=2).seconds
@@ -309,24 +416,39 @@ def sweep_seconds(points: int, scheduler: str | None) -> float:
 def sweep_overhead() -> None:
     """Time of a point of no work, ms, without the start of the workers (`sweeps`)."""
     count = sized(1000, 20)
-    local = library("distributed").LocalCluster  # Its workers log errors when it ends before they do.
-    with local(n_workers=2, threads_per_worker=1, dashboard_address="127.0.0.1:0", silence_logs="CRITICAL") as cluster:
+    local = library(
+        "distributed"
+    ).LocalCluster  # Its workers log errors when it ends before they do.
+    with local(
+        n_workers=2, threads_per_worker=1, dashboard_address="127.0.0.1:0", silence_logs="CRITICAL"
+    ) as cluster:
         for name, where in (("processes", None), ("Dask", cluster.scheduler_address)):
-            found = [1e3 * (sweep_seconds(2 * count, where) - sweep_seconds(count, where)) / count for _ in range(3)]
+            found = [
+                1e3 * (sweep_seconds(2 * count, where) - sweep_seconds(count, where)) / count
+                for _ in range(3)
+            ]
             print(f"{name}: {spread(found, 2)}", flush=True)
 
 
 def sweep_efficiency() -> None:
     """Speed of two workers over twice that of one, 200 contact times (`sweeps`)."""
-    axes = {"pitch": np.linspace(0.45, 0.75, sized(20, 2)).tolist(), "width": np.linspace(0.2, 0.4, sized(10, 1))}
-    times = [[sweep(None, axes, workers=count).seconds for count in (1, 2)] for _ in range(sized(3, 1))]
+    axes = {
+        "pitch": np.linspace(0.45, 0.75, sized(20, 2)).tolist(),
+        "width": np.linspace(0.2, 0.4, sized(10, 1)),
+    }
+    times = [
+        [sweep(None, axes, workers=count).seconds for count in (1, 2)] for _ in range(sized(3, 1))
+    ]
     print(spread([one / (2 * two) for one, two in times], 3))
 
 
 def sweep_map() -> None:
     """10,000 contact times on two workers (`sweeps`)."""
     side = sized(100, 2)
-    axes = {"pitch": np.linspace(0.4, 0.8, side).tolist(), "width": np.linspace(0.2, 0.4, side).tolist()}
+    axes = {
+        "pitch": np.linspace(0.4, 0.8, side).tolist(),
+        "width": np.linspace(0.2, 0.4, side).tolist(),
+    }
     with tempfile.TemporaryDirectory() as folder:
         found = sweep(None, axes, out=Path(folder, "map.csv"), workers=2)
     print(f"{found.points} points: {found.seconds / 60:.1f} minutes, {found.failed} failed")
@@ -334,7 +456,9 @@ def sweep_map() -> None:
 
 OF_MOTION = (answers, march, contact, time_of_impact, engine, drift, pile_up)
 OF_PICTURES_AND_SWEEPS = (film, debug_draw, sweep_overhead, sweep_efficiency, sweep_map)
-BENCHMARKS = {each.__name__.replace("_", "-"): each for each in (*OF_MOTION, *OF_PICTURES_AND_SWEEPS)}
+BENCHMARKS = {
+    each.__name__.replace("_", "-"): each for each in (*OF_MOTION, *OF_PICTURES_AND_SWEEPS)
+}
 
 if __name__ == "__main__":
     run(BENCHMARKS)

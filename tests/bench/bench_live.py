@@ -60,7 +60,9 @@ WATCH = """() => {
 def program() -> Iterator[tuple[psutil.Process, str]]:
     """The program, and the address of its page."""
     command = [sys.executable, "-m", "pymunk_dragon", "live", "--no-browser"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as process:
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
+    ) as process:
         assert process.stdout is not None
         found = re.search(r"http\S+", process.stdout.readline())
         assert found is not None
@@ -111,7 +113,9 @@ def soak() -> None:
     """Frames, rate and memory for 10 minutes with 20 clients, obstacles, resets, and a client that drags."""
 
     async def clients(address: str, process: psutil.Process) -> list[list[float]]:
-        watching = asyncio.gather(*(watch(address, SECONDS, acts=number == 0) for number in range(CLIENTS)))
+        watching = asyncio.gather(
+            *(watch(address, SECONDS, acts=number == 0) for number in range(CLIENTS))
+        )
         await asyncio.sleep(0.4 * SECONDS)
         print(f"{process.memory_info().rss / 1e6:.0f} MB after {0.4 * SECONDS:.0f} s")
         return await watching

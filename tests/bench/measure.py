@@ -29,7 +29,9 @@ def run(benchmarks: Mapping[str, Callable[[], None]]) -> None:
 
 
 def compare(
-    works: Mapping[str, Callable[[], object]], repeats: int, clock: Callable[[], float] = time.perf_counter
+    works: Mapping[str, Callable[[], object]],
+    repeats: int,
+    clock: Callable[[], float] = time.perf_counter,
 ) -> dict[str, float]:
     """Median time of each work, ms, of repeats in turns after a first one that is not measured; prints them."""
     found: dict[str, list[float]] = {name: [] for name in works}

@@ -34,6 +34,10 @@ if __name__ == "__main__":
                 page.get_by_label(name, exact=True).fill(value)
                 page.get_by_label(name, exact=True).blur()
             page.wait_for_timeout(500)
-            if height := page.evaluate("document.querySelector('section:target')?.getBoundingClientRect().height"):
-                page.set_viewport_size({"width": WIDTH, "height": round(height) + 16})  # A lesson has a margin.
+            if height := page.evaluate(
+                "document.querySelector('section:target')?.getBoundingClientRect().height"
+            ):
+                page.set_viewport_size(
+                    {"width": WIDTH, "height": round(height) + 16}
+                )  # A lesson has a margin.
             page.screenshot(path=picture)

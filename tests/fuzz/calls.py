@@ -24,17 +24,32 @@ from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog
 # Values, each with the kinds that it has. A whole number is also a number, and that is also an array.
 FUNCTION = lambda *arguments: None  # noqa: E731
 NUMBERS = {0: "int", -1: "int", 7: "int", 1.5: "number", -2.5: "number", 1e-320: "number"}
-NUMBERS |= {1e308: "number", -1e308: "number", math.inf: "number", math.nan: "number", 10**400: "int"}
+NUMBERS |= {
+    1e308: "number",
+    -1e308: "number",
+    math.inf: "number",
+    math.nan: "number",
+    10**400: "int",
+}
 VALUES = [
-    *((value, {"int": "int number array", "number": "number array"}[kind]) for value, kind in NUMBERS.items()),
+    *(
+        (value, {"int": "int number array", "number": "number array"}[kind])
+        for value, kind in NUMBERS.items()
+    ),
     *((value, "text path") for value in ("", "x", "spiral", "1", "a" * 300, "\0", "x.y")),
     *((value, "array list empty") for value in ([], ())),
     *((value, "array list") for value in ([1, 2], (0.5, 0.25), [0, 1e308], [math.nan], range(3))),
-    *((value, "array") for value in (np.zeros((2, 5)), np.zeros((0, 3)), np.arange(4.0) * 1e300, [[]])),
+    *(
+        (value, "array")
+        for value in (np.zeros((2, 5)), np.zeros((0, 3)), np.arange(4.0) * 1e300, [[]])
+    ),
     *((value, "list") for value in ([None], [[1], [1, 2]], [object()])),
     (["a"], "list texts"),
     *((value, "complex") for value in (1j, [1j])),
-    *((value, "") for value in (b"x", object(), np.array("x"), np.array([None]), {1, 2}, math, Ellipsis)),
+    *(
+        (value, "")
+        for value in (b"x", object(), np.array("x"), np.array([None]), {1, 2}, math, Ellipsis)
+    ),
     (np.int64(3), "int number array"),
     *((value, "bool") for value in (True, False)),
     *((value, "mapping") for value in ({"x": 1}, {"x": None}, {1: 2})),
@@ -51,7 +66,9 @@ SPIRAL = dragons.March(dragons.Dragon(benches=4), turns=3)
 RUN = dragons.Run.exact(MARCH, [0.0, 1.0])
 POSES = np.zeros((3, 3))
 SQUARE = [(0, 0), (1, 0), (1, 1), (0, 1)]
-CONTACT = Contact(time=0.5, raw_time=0.5, benches=(0, 2), point=(1.0, 1.0), normal=(1.0, 0.0), depth=0.0)
+CONTACT = Contact(
+    time=0.5, raw_time=0.5, benches=(0, 2), point=(1.0, 1.0), normal=(1.0, 0.0), depth=0.0
+)
 EVENT = ContactEvent(time=0.5, phase="begin", benches=(0, 2))
 TABLE = dragons.SpeedTable([0, 10], [1, 2])
 STUDIED = dragons.max_speed(DRAGON)
@@ -97,12 +114,24 @@ def of_session(name, **arguments):
 
 def turn(**arguments):
     """The study of the U-turn with a search that ends at once."""
-    with mock.patch.object(sys.modules["pymunk_dragon.studies.u_turn"], "_shortest_turn", lambda base, *rest: base):
+    with mock.patch.object(
+        sys.modules["pymunk_dragon.studies.u_turn"], "_shortest_turn", lambda base, *rest: base
+    ):
         return dragons.u_turn(**arguments)
 
 
-FLOAT, WHOLE, OPTIONAL, COUNT = (1.0, "number"), (2, "int"), (None, "number none"), (None, "int none")
-ARRAY, TEXT, FLAG, PROGRESS = ([0.0, 1.0], "array"), ("x", "text"), (True, "bool"), (None, "function none")
+FLOAT, WHOLE, OPTIONAL, COUNT = (
+    (1.0, "number"),
+    (2, "int"),
+    (None, "number none"),
+    (None, "int none"),
+)
+ARRAY, TEXT, FLAG, PROGRESS = (
+    ([0.0, 1.0], "array"),
+    ("x", "text"),
+    (True, "bool"),
+    (None, "function none"),
+)
 TIMES = ([0.0, 0.5], "array")
 PAIR = ((1.0, 2.0), "array list")
 ONE_MARCH, ONE_RUN, ONE_DRAGON = (MARCH, ""), (RUN, ""), (DRAGON, "none")
@@ -118,16 +147,31 @@ def file(ending):
 FILM = {
     **dict.fromkeys(("speedup", "start", "until"), OPTIONAL),
     **dict.fromkeys(("title", "caption"), TEXT),
-    **{"fps": WHOLE, "size": (64, "int list array"), "hold": FLOAT, "camera": (Camera(), ""), "legend": FLAG},
+    **{
+        "fps": WHOLE,
+        "size": (64, "int list array"),
+        "hold": FLOAT,
+        "camera": (Camera(), ""),
+        "legend": FLAG,
+    },
     **{"show": (("grid",), "empty"), "headings": (("x",), "empty")},
 }
 ENGINE = {
-    **{"contacts": ("resolve", "text"), "substep": (0.01, "number none"), "iterations": (5, "int none")},
+    **{
+        "contacts": ("resolve", "text"),
+        "substep": (0.01, "number none"),
+        "iterations": (5, "int none"),
+    },
     **{"drag": (11.5, "number"), "frame_interval": OPTIONAL, "head_force": OPTIONAL},
 }
 WINDOW = {"start": (0.0, "number"), "until": (0.2, "number none")}
 SCENARIO = {
-    **{"benches": COUNT, "head_spacing": FLOAT, "body_spacing": (1.0, "number array list"), "overhang": SIZES},
+    **{
+        "benches": COUNT,
+        "head_spacing": FLOAT,
+        "body_spacing": (1.0, "number array list"),
+        "overhang": SIZES,
+    },
     **{"width": SIZES, "pitch": OPTIONAL, "turns": OPTIONAL, "start_s": OPTIONAL},
     "speed": (1.0, "number list array path"),
 }
@@ -146,9 +190,15 @@ CALLS = {
     # The model.
     "Dragon": (dragons.Dragon, {name: SCENARIO[name] for name in list(SCENARIO)[:5]}),
     "Dragon.outlines": (DRAGON.outlines, {"poses": (POSES, "array")}),
-    "Dragon.outlines_between": (DRAGON.outlines_between, {"handles": (np.arange(4) * 1j, "array complex")}),
+    "Dragon.outlines_between": (
+        DRAGON.outlines_between,
+        {"handles": (np.arange(4) * 1j, "array complex")},
+    ),
     "Dragon.holes": (DRAGON.holes, {"poses": (POSES, "array")}),
-    "Dragon.hole_velocities": (DRAGON.hole_velocities, {"poses": (POSES, "array"), "velocities": (POSES, "array")}),
+    "Dragon.hole_velocities": (
+        DRAGON.hole_velocities,
+        {"poses": (POSES, "array"), "velocities": (POSES, "array")},
+    ),
     "outlines": (
         dragons.outlines,
         {"poses": (POSES, "array"), "lengths": ([1.0, 1.0, 2.0], "array"), "width": (0.3, "array")},
@@ -161,19 +211,30 @@ CALLS = {
     "Spiral": (dragons.Spiral, {"pitch": FLOAT, "rotation": FLOAT, "outward": FLAG}),
     "Spiral.angle": (dragons.Spiral().angle, {"s": ([-20.0], "array")}),
     "Spiral.at_radius": (dragons.Spiral().at_radius, {"radius": FLOAT}),
-    "UTurn": (dragons.UTurn, {"pitch": (1.7, "number"), "radius": (4.5, "number"), "ratio": (2.0, "number")}),
+    "UTurn": (
+        dragons.UTurn,
+        {"pitch": (1.7, "number"), "radius": (4.5, "number"), "ratio": (2.0, "number")},
+    ),
     "Sampled": (dragons.Sampled, {"points": ([(0, 0), (3, 1), (6, 0), (9, 1)], "array")}),
     "Sampled.read": (dragons.Sampled.read, {"path": ("points.csv", "path")}),
     "Composite": (dragons.Composite, {"pieces": ((LINE,), "")}),
     "Section": (dragons.Section, {"curve": (LINE, ""), "begin_s": FLOAT, "end_s": (5.0, "number")}),
     "Reversed": (dragons.Reversed, {"curve": (LINE, "")}),
     "check_curve": (dragons.check_curve, {"curve": (LINE, ""), "low": OPTIONAL, "high": OPTIONAL}),
-    "Curve.from_dict": (dragons.Curve.from_dict, {"values": ({"kind": "line", "stop": [3, 4]}, "mapping")}),
+    "Curve.from_dict": (
+        dragons.Curve.from_dict,
+        {"values": ({"kind": "line", "stop": [3, 4]}, "mapping")},
+    ),
     **{f"Curve.{name}": (getattr(LINE, name), arguments) for name, arguments in CURVE.items()},
     **{
         f"{type(curve).__name__}.{name}": (getattr(curve, name), arguments)
         for curve in (
-            *(dragons.Arc(radius=5.0, sweep=3.0), dragons.Spiral(), dragons.UTurn(), dragons.Reversed(LINE)),
+            *(
+                dragons.Arc(radius=5.0, sweep=3.0),
+                dragons.Spiral(),
+                dragons.UTurn(),
+                dragons.Reversed(LINE),
+            ),
             *(dragons.Composite((LINE,)), dragons.Section(LINE, 1.0, 8.0)),
             dragons.Sampled([(0, 0), (3, 1), (6, 0), (9, 1)]),
         )
@@ -181,7 +242,13 @@ CALLS = {
     },
     "March": (
         dragons.March,
-        {"dragon": (DRAGON, ""), "curve": (LINE, ""), "turns": OPTIONAL, "start_s": OPTIONAL, "speed": FLOAT},
+        {
+            "dragon": (DRAGON, ""),
+            "curve": (LINE, ""),
+            "turns": OPTIONAL,
+            "start_s": OPTIONAL,
+            "speed": FLOAT,
+        },
     ),
     **{
         f"March.{name}": (getattr(MARCH, name), {"times": TIMES, "handles": COUNT})
@@ -190,7 +257,10 @@ CALLS = {
     "March.distance": (MARCH.distance, {"times": TIMES}),
     "March.time": (MARCH.time, {"distances": TIMES}),
     "March.span": (MARCH.span, {"start": FLOAT, "until": FLOAT}),
-    "March.speeds_by_difference": (SPIRAL.speeds_by_difference, {"times": TIMES, "step": (0.1, "number")}),
+    "March.speeds_by_difference": (
+        SPIRAL.speeds_by_difference,
+        {"times": TIMES, "step": (0.1, "number")},
+    ),
     "March.at_unit_speed": (MARCH.at_unit_speed, {}),
     "States.to_dict": (MARCH.at(TIMES[0]).to_dict, {"handles": ([1], "array list none")}),
     "States.rows": (MARCH.at(TIMES[0]).rows, {"handles": ([1], "array list none")}),
@@ -198,7 +268,12 @@ CALLS = {
     "SpeedTable": (dragons.SpeedTable, {"times": ([0, 10], "array"), "speeds": ([1, 2], "array")}),
     "SpeedTable.of": (
         dragons.SpeedTable.of,
-        {"function": (lambda t: 1.0, "function"), "start": (0.0, "number"), "until": FLOAT, "step": (0.1, "number")},
+        {
+            "function": (lambda t: 1.0, "function"),
+            "start": (0.0, "number"),
+            "until": FLOAT,
+            "step": (0.1, "number"),
+        },
     ),
     "SpeedTable.read": (dragons.SpeedTable.read, {"path": ("speed.csv", "path")}),
     "SpeedTable.at": (TABLE.at, {"t": TIMES}),
@@ -207,7 +282,10 @@ CALLS = {
     "SpeedTable.fastest": (TABLE.fastest, {"start": FLOAT, "until": FLOAT}),
     "Scenario": (dragons.Scenario, SCENARIO | {"curve": ("spiral", "text path none mapping")}),
     "Scenario.of": (dragons.Scenario.of, {"march": ONE_MARCH}),
-    "Scenario.from_dict": (dragons.Scenario.from_dict, {"values": ({"benches": 5}, "mapping"), "files": FLAG}),
+    "Scenario.from_dict": (
+        dragons.Scenario.from_dict,
+        {"values": ({"benches": 5}, "mapping"), "files": FLAG},
+    ),
     "Scenario.flat": (dragons.Scenario.flat, {"values": ({"benches": 5}, "mapping")}),
     "Scenario.read": (dragons.Scenario.read, {"path": ("scenario.toml", "path")}),
     "Scenario.to_dict": (dragons.Scenario().to_dict, {}),
@@ -218,9 +296,16 @@ CALLS = {
         dragons.Run,
         {
             **{"march": ONE_MARCH, "times": ([0.0, 1.0], "array"), "poses": (RUN.poses, "array")},
-            **{"drift": (RUN.drift, "array"), "pose_velocities": (RUN.pose_velocities, "array none")},
+            **{
+                "drift": (RUN.drift, "array"),
+                "pose_velocities": (RUN.pose_velocities, "array none"),
+            },
             **{"joint_forces": (None, "array none"), "events": (ContactLog([EVENT]), "empty")},
-            **{"first_contact": (CONTACT, "none"), "outcome": ("clear", "text"), "provenance": ({}, "mapping")},
+            **{
+                "first_contact": (CONTACT, "none"),
+                "outcome": ("clear", "text"),
+                "provenance": ({}, "mapping"),
+            },
             **{"wall_seconds": OPTIONAL, "step_seconds": OPTIONAL},
         },
     ),
@@ -241,17 +326,31 @@ CALLS = {
     "scan": (scan, {"march": ONE_MARCH, **WINDOW, "step": FLOAT, "progress": PROGRESS}),
     # The engine.
     "EngineSettings": (dragons.EngineSettings, ENGINE),
-    "EngineSettings.resolved": (dragons.EngineSettings().resolved, {"top_speed": FLOAT, "pulled_mass": FLOAT}),
+    "EngineSettings.resolved": (
+        dragons.EngineSettings().resolved,
+        {"top_speed": FLOAT, "pulled_mass": FLOAT},
+    ),
     "simulate": (
         dragons.simulate,
         {
-            **{"march": ONE_MARCH, **WINDOW, "settings": (None, "none"), "guide": ("rails", "text")},
+            **{
+                "march": ONE_MARCH,
+                **WINDOW,
+                "settings": (None, "none"),
+                "guide": ("rails", "text"),
+            },
             **{"on_event": PROGRESS, "progress": PROGRESS, **ENGINE},
         },
     ),
     "World": (
         dragons.World,
-        {"march": ONE_MARCH, "guide": ("none", "text"), "settings": (None, "none"), **WINDOW, **ENGINE},
+        {
+            "march": ONE_MARCH,
+            "guide": ("none", "text"),
+            "settings": (None, "none"),
+            **WINDOW,
+            **ENGINE,
+        },
     ),
     "World.change": (
         lambda **changes: changed("change", **changes),
@@ -275,7 +374,13 @@ CALLS = {
     "Film.texts": (Film().texts, {"headings": (("x",), "empty texts")}),
     "render": (
         render,
-        {"source": (RUN, ""), "path": file(".png"), "film": (None, "none"), "progress": PROGRESS, **FILM},
+        {
+            "source": (RUN, ""),
+            "path": file(".png"),
+            "film": (None, "none"),
+            "progress": PROGRESS,
+            **FILM,
+        },
     ),
     "still_png": (still_png, {"source": (RUN, ""), "time": FLOAT, "film": (Film(size=64), "none")}),
     "PillowDrawOptions": (
@@ -292,12 +397,18 @@ CALLS = {
     "report": (reports.report, {"run": ONE_RUN, "path": file(".json")}),
     "summarize": (reports.summarize, {"run": ONE_RUN}),
     "Summary.to_dict": (reports.summarize(RUN).to_dict, {}),
-    "paper_tables": (reports.paper_tables, {"march": (SPIRAL, ""), "impact_time": (None, "number none")}),
+    "paper_tables": (
+        reports.paper_tables,
+        {"march": (SPIRAL, ""), "impact_time": (None, "number none")},
+    ),
     "write_contact_table": (
         reports.write_contact_table,
         {"march": ONE_MARCH, "impact_time": FLOAT, "path": file(".xlsx")},
     ),
-    "write_tables": (reports.write_tables, {"march": ONE_MARCH, "times": TIMES, "path": file(".xlsx")}),
+    "write_tables": (
+        reports.write_tables,
+        {"march": ONE_MARCH, "times": TIMES, "path": file(".xlsx")},
+    ),
     "player_page": (dragons.player_page, {"run": ONE_RUN, "title": (None, "text none")}),
     "write_player": (
         dragons.write_player,
@@ -306,19 +417,35 @@ CALLS = {
     # Studies. The right call is one that is refused at once: a search takes seconds.
     "min_pitch": (
         dragons.min_pitch,
-        {"dragon": ONE_DRAGON, "turns": FLOAT, "speed": FLOAT, "radius": FLOAT, "progress": (FUNCTION, "function")},
+        {
+            "dragon": ONE_DRAGON,
+            "turns": FLOAT,
+            "speed": FLOAT,
+            "radius": FLOAT,
+            "progress": (FUNCTION, "function"),
+        },
     ),
     "max_speed": (
         dragons.max_speed,
         {
-            **{"dragon": ONE_DRAGON, "limit": FLOAT, "pitch": (1.7, "number"), "radius": (4.5, "number")},
+            **{
+                "dragon": ONE_DRAGON,
+                "limit": FLOAT,
+                "pitch": (1.7, "number"),
+                "radius": (4.5, "number"),
+            },
             **{"ratio": (2.0, "number"), "progress": (FUNCTION, "function")},
         },
     ),
     "sensitivity": (
         dragons.sensitivity,
         {
-            **{"dragon": ONE_DRAGON, "pitch": (0.55, "number"), "turns": (0.5, "number"), "speed": FLOAT},
+            **{
+                "dragon": ONE_DRAGON,
+                "pitch": (0.55, "number"),
+                "turns": (0.5, "number"),
+                "speed": FLOAT,
+            },
             **{"radius": FLOAT, "progress": (FUNCTION, "function")},
         },
     ),
@@ -340,8 +467,15 @@ CALLS = {
     "sweep": (
         dragons.sweep,
         {
-            **{"scenario": ({"benches": 4, "turns": 2.0}, "mapping none"), "quantity": ("max-speed", "text")},
-            **{"axes": ({"pitch": [0.5]}, "mapping"), "executor": (THREAD, "none"), "out": ((), "empty texts path")},
+            **{
+                "scenario": ({"benches": 4, "turns": 2.0}, "mapping none"),
+                "quantity": ("max-speed", "text"),
+            },
+            **{
+                "axes": ({"pitch": [0.5]}, "mapping"),
+                "executor": (THREAD, "none"),
+                "out": ((), "empty texts path"),
+            },
             **{"resume": (False, "bool"), "workers": COUNT, "progress": (FUNCTION, "function")},
         },
     ),
@@ -349,7 +483,12 @@ CALLS = {
     "Slider": (
         dragons.Slider,
         {
-            **{"name": TEXT, "low": (0.5, "number"), "high": (9.0, "number"), "value": (1.0, "number none")},
+            **{
+                "name": TEXT,
+                "low": (0.5, "number"),
+                "high": (9.0, "number"),
+                "value": (1.0, "number none"),
+            },
             **{"rebuilds": (False, "bool"), "action": PROGRESS, "label": TEXT, "unit": TEXT},
             **{"logarithmic": FLAG, "whole": (False, "bool")},
         },
@@ -360,9 +499,24 @@ CALLS = {
     "live": (
         live,
         {
-            **{"what": (own_space, ""), "step": SETTING, "on_step": PROGRESS, "controls": ((), "empty")},
-            **{"plots": (None, "none empty"), "events": (None, "none empty texts"), "y_down": FLAG, "units": TEXT},
-            **{"paused": FLAG, "browser": (False, "bool"), "host": ("127.0.0.1", "path"), "port": (0, "int")},
+            **{
+                "what": (own_space, ""),
+                "step": SETTING,
+                "on_step": PROGRESS,
+                "controls": ((), "empty"),
+            },
+            **{
+                "plots": (None, "none empty"),
+                "events": (None, "none empty texts"),
+                "y_down": FLAG,
+                "units": TEXT,
+            },
+            **{
+                "paused": FLAG,
+                "browser": (False, "bool"),
+                "host": ("127.0.0.1", "path"),
+                "port": (0, "int"),
+            },
             "allow_hosts": ((), "empty texts"),
         },
     ),
@@ -379,7 +533,11 @@ CALLS = {
     "write_lessons": (
         lessons.write_lessons,
         {
-            **{"lessons": ([lessons.LESSONS["spiral"]], ""), "path": file(".py"), "language": ("en", "text")},
+            **{
+                "lessons": ([lessons.LESSONS["spiral"]], ""),
+                "path": file(".py"),
+                "language": ("en", "text"),
+            },
             "progress": (FUNCTION, "function"),
         },
     ),

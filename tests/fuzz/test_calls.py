@@ -26,16 +26,30 @@ from pymunk_dragon.errors import DragonError
 MAX_CASES = 3000
 # s of processor time, after which a call is ended.
 MAX_SECONDS = 30.0
-PACKAGES = ["", ".collision", ".drawing", ".drawing.debug_draw", ".drawing.figures", ".lessons", ".model.curves"]
+PACKAGES = [
+    "",
+    ".collision",
+    ".drawing",
+    ".drawing.debug_draw",
+    ".drawing.figures",
+    ".lessons",
+    ".model.curves",
+]
 PACKAGES += [".physics", ".player", ".reports", ".sessions", ".studies", ".sweeps"]
 # Not called: errors; records that functions of the package make; base classes; and what takes other functions of the
 # package, or the arguments of Pymunk's drawing.
 RECORDS = "Contact ContactEvent ContactLog FirstContact NearMiss Separation States Sweep Summary"
 RECORDS += " Lesson MaxSpeed MinPitch TurnResult Sensitivity Recording"
 OTHERS = "Curve Live PathGuide Rails PygameEvents Result Study styled_figure write_styled"
-OTHER_METHODS = "draw_circle draw_dot draw_fat_segment draw_polygon draw_segment draw_shape color_for_shape"
+OTHER_METHODS = (
+    "draw_circle draw_dot draw_fat_segment draw_polygon draw_segment draw_shape color_for_shape"
+)
 OTHER_METHODS += " attach joints relocate update key pointer wheel"
-FILES = {"points.csv": "0,0\n15,1\n30,0\n45,-8\n", "speed.csv": "0,1\n5,2\n", "scenario.toml": "benches = 6\n"}
+FILES = {
+    "points.csv": "0,0\n15,1\n30,0\n45,-8\n",
+    "speed.csv": "0,1\n5,2\n",
+    "scenario.toml": "benches = 6\n",
+}
 
 
 def public():
@@ -69,7 +83,9 @@ def test_every_public_function_class_and_method_has_a_right_call():
 def calls(draw):
     """A name, and one or two of its arguments with other values, by their numbers in `VALUES`."""
     name = draw(st.sampled_from([name for name, (_, arguments) in CALLS.items() if arguments]))
-    arguments = draw(st.lists(st.sampled_from([*CALLS[name][1]]), min_size=1, max_size=2, unique=True))
+    arguments = draw(
+        st.lists(st.sampled_from([*CALLS[name][1]]), min_size=1, max_size=2, unique=True)
+    )
     return name, {argument: draw(st.integers(0, len(VALUES) - 1)) for argument in arguments}
 
 
@@ -88,7 +104,11 @@ def check(name, changed):
     function, right = CALLS[name]
     given = {argument: value for argument, (value, _) in right.items()}
     given |= {argument: VALUES[number][0] for argument, number in changed.items()}
-    wrong = [each for each, number in changed.items() if not {*right[each][1].split()} & {*VALUES[number][1].split()}]
+    wrong = [
+        each
+        for each, number in changed.items()
+        if not {*right[each][1].split()} & {*VALUES[number][1].split()}
+    ]
 
     def stop(*_):
         raise RuntimeError(f"more than {MAX_SECONDS} s of processor time")

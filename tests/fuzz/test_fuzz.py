@@ -32,16 +32,63 @@ CASES = int(os.environ.get("FUZZ_CASES", "0"))
 MAX_SECONDS = 60.0
 
 # What stands where a number should: no number, none of its range, or one in a way of writing that Python knows as well.
-BAD_NUMBERS = ["nan", "inf", "-inf", "1e309", "1e-320", "0", "-0.0", "-1", "-1e9", "9" * 400, "0x10", "1_0", "", " "]
-BAD_NUMBERS += ["abc", "None", "true", "1,5", "1:2", "½", "٣", "1e", "--", "-", "é", "\n", "a\nb", "\x1b[31m", "%s"]
+BAD_NUMBERS = [
+    "nan",
+    "inf",
+    "-inf",
+    "1e309",
+    "1e-320",
+    "0",
+    "-0.0",
+    "-1",
+    "-1e9",
+    "9" * 400,
+    "0x10",
+    "1_0",
+    "",
+    " ",
+]
+BAD_NUMBERS += [
+    "abc",
+    "None",
+    "true",
+    "1,5",
+    "1:2",
+    "½",
+    "٣",
+    "1e",
+    "--",
+    "-",
+    "é",
+    "\n",
+    "a\nb",
+    "\x1b[31m",
+    "%s",
+]
 BAD_NUMBERS += ["{}", "$HOME", "*", "~", "../x", "'", '"', "\\", "\udcff", "1" * 5000]
 # Names of files to read or to write, of which some are there and some cannot be.
-FILES = {"s.toml": b"benches = 6\npitch = 0.6\n", "bad.toml": b"benches = 'six'\n", "speed.csv": b"0,1\n5,2\n"}
+FILES = {
+    "s.toml": b"benches = 6\npitch = 0.6\n",
+    "bad.toml": b"benches = 'six'\n",
+    "speed.csv": b"0,1\n5,2\n",
+}
 FILES |= {"t.csv": b"x,y\n0,0\n15,1\n30,0\n45,-8\n", "junk.npz": b"PK\x03\x04 no archive"}
 FILES |= {"old.json": b"{}", "old.gif": b"GIF", "old.npz": b"old"}
-NAMES = [*FILES, "folder", "folder/new.json", "none/new.json", ".", "..", "../up.json", "new", "x" * 300 + ".json"]
+NAMES = [
+    *FILES,
+    "folder",
+    "folder/new.json",
+    "none/new.json",
+    ".",
+    "..",
+    "../up.json",
+    "new",
+    "x" * 300 + ".json",
+]
 NAMES += ["é.json", "a b.csv", "a\nb.json", "-.json", ".json", "/dev/null", "\udcff.npz"]
-NAMES += [f"new.{ending}" for ending in ("json", "csv", "npz", "gif", "svg", "html", "md", "xlsx", "mp4")]
+NAMES += [
+    f"new.{ending}" for ending in ("json", "csv", "npz", "gif", "svg", "html", "md", "xlsx", "mp4")
+]
 # Endings of the files that commands write without -o.
 DEFAULT_ENDINGS = {"figure": ".png", "render": ".gif", "report": ".html"}
 # Right command lines that take little work. Every value is replaced now and then.
@@ -69,14 +116,31 @@ COMMANDS = [
     "demo none --lang zh --save folder",
 ]
 EXTRAS = [
-    *("--head-spacing 2", "--body-spacing 1", "--overhang 0.1", "--width 0.2", "--curve u-turn", "--curve t.csv"),
-    *("--pitch 0.6", "--turns 8", "--radius 5", "--ratio 2", "--speed 2", "--speed speed.csv", "--scenario s.toml"),
+    *(
+        "--head-spacing 2",
+        "--body-spacing 1",
+        "--overhang 0.1",
+        "--width 0.2",
+        "--curve u-turn",
+        "--curve t.csv",
+    ),
+    *(
+        "--pitch 0.6",
+        "--turns 8",
+        "--radius 5",
+        "--ratio 2",
+        "--speed 2",
+        "--speed speed.csv",
+        "--scenario s.toml",
+    ),
     *("--json", "--json", "--help", "--none", "-x", "--", "extra", "--json=1", "--ben=3", "-o"),
 ]
 # Values at the ends of their ranges and beyond, but none that asks for hours of work.
 LENGTHS = "0.001 0.30001 0.5 1 100 1000 1e-300 1e300"
 EXTREMES = {
-    **dict.fromkeys(["--head-spacing", "--body-spacing", "--overhang", "--width", "--pitch", "--turns"], LENGTHS),
+    **dict.fromkeys(
+        ["--head-spacing", "--body-spacing", "--overhang", "--width", "--pitch", "--turns"], LENGTHS
+    ),
     **dict.fromkeys(["--speed", "--speedup", "--substep"], "1e-6 1e-5 0.1 20 1e6 1e-300 1e300"),
     "--times": "1e300 -1e5 0:1:1e-4 0:1e-300:1e-303 0:1e300:1e297 442.59 1e16 0,0",
     "--handles": "0:2:0.5 0,0,0 4:0:1 1e300 0:1e300:1e300",
@@ -105,9 +169,36 @@ SCENARIOS = [
 ]
 TABLES = ["x,y\n0,0\n10,0\n20,4\n30,5\n", "0,1\n5,2\n10,1.5\n"]
 TABLES += ["t;v\r\n0;1\r\n5;2\r\n", "\ufeff1 , 2\n\n3 ,4\n5, 6\n8,1"]
-ODD_TOML = ["nan", "-inf", "1979-05-27", "true", "''", '"spiral"', "[]", "{}", "[[]]", "1e400", "-1", "0", "9" * 400]
+ODD_TOML = [
+    "nan",
+    "-inf",
+    "1979-05-27",
+    "true",
+    "''",
+    '"spiral"',
+    "[]",
+    "{}",
+    "[[]]",
+    "1e400",
+    "-1",
+    "0",
+    "9" * 400,
+]
 ODD_TOML += ["[nan, 1]", '"\\u001b[31m"', "{kind = 3}", "[1" + ", 1" * 300 + "]", '"t.csv"']
-ODD_JSON = ["null", "true", "[]", "{}", '""', '"\\u001b[2J"', '"/dev/zero"', "NaN", "-1", "0", "1e308", "1" + "0" * 400]
+ODD_JSON = [
+    "null",
+    "true",
+    "[]",
+    "{}",
+    '""',
+    '"\\u001b[2J"',
+    '"/dev/zero"',
+    "NaN",
+    "-1",
+    "0",
+    "1e308",
+    "1" + "0" * 400,
+]
 FROM_SCENARIO = [
     *("positions --times 0,1 --json --scenario s.toml", "contact --until 1 --scenario s.toml"),
     "simulate --until 0.03 -o old.npz --scenario s.toml",
@@ -116,7 +207,11 @@ FROM_SCENARIO = [
 FROM_TABLE = [
     f"{command} --{option} t.csv --benches 3 --head-spacing 1 --body-spacing 1"
     for option in ("curve", "speed")
-    for command in ("positions --times 0,1 --json", "contact --until 2", "simulate --until 0.05 -o old.npz")
+    for command in (
+        "positions --times 0,1 --json",
+        "contact --until 2",
+        "simulate --until 0.05 -o old.npz",
+    )
 ]
 FROM_RUN = [command for command in COMMANDS if " run.npz" in command and "exact.npz" not in command]
 
@@ -124,7 +219,9 @@ FROM_RUN = [command for command in COMMANDS if " run.npz" in command and "exact.
 @cache
 def whole_runs():
     """Run files of the engine up to a contact, and of the exact model on a curve of pieces."""
-    bend = Composite([Line(stop=(30, 0)), Arc(centre=(30, 3), radius=3, begin_angle=-np.pi / 2, sweep=3)])
+    bend = Composite(
+        [Line(stop=(30, 0)), Arc(centre=(30, 3), radius=3, begin_angle=-np.pi / 2, sweep=3)]
+    )
     contact = March(Dragon(benches=10), turns=2.6, speed=2.0)
     runs = {
         "run.npz": simulate(contact, until=contact.end, frame_interval=0.5),
@@ -164,9 +261,21 @@ def damaged(draw, content):
     for _ in range(draw(st.integers(1, 3))):
         begin = draw(st.integers(0, len(content)))
         end = min(len(content), begin + draw(st.integers(0, 40)))
-        new = [b"", content[begin:end] * 30, b"\0", b"\xff" * 8, b"\n", b",", b"[" * 50, b"\r\r\n", b"="]
+        new = [
+            b"",
+            content[begin:end] * 30,
+            b"\0",
+            b"\xff" * 8,
+            b"\n",
+            b",",
+            b"[" * 50,
+            b"\r\r\n",
+            b"=",
+        ]
         part = draw(st.sampled_from(new) | st.binary(max_size=20))
-        content = content[:begin] + part + draw(st.sampled_from([content[begin:], content[end:], b""]))
+        content = (
+            content[:begin] + part + draw(st.sampled_from([content[begin:], content[end:], b""]))
+        )
     return content
 
 
@@ -200,8 +309,19 @@ def run_files(draw):
         array, factor = arrays.pop(name), draw(st.floats())
         kind = draw(st.sampled_from(["f4", "i8", "c16", "U5", "?", "M8[s]", ">f8"]))
         with np.errstate(all="ignore"):
-            others = [array, array, array[:1], array[:0], array.ravel(), np.repeat(array, 3, axis=0), array[::-1], None]
-            other = draw(st.sampled_from([*others, array * factor, array + factor, array.astype(kind)]))
+            others = [
+                array,
+                array,
+                array[:1],
+                array[:0],
+                array.ravel(),
+                np.repeat(array, 3, axis=0),
+                array[::-1],
+                None,
+            ]
+            other = draw(
+                st.sampled_from([*others, array * factor, array + factor, array.astype(kind)])
+            )
         buffer = io.BytesIO()
         arrays |= {} if other is None else {name: other}
         np.savez_compressed(buffer, notes=np.frombuffer(notes, dtype=np.uint8), **arrays)
@@ -223,7 +343,10 @@ def outcome(arguments):
     def stop(*_):
         raise RuntimeError(f"more than {MAX_SECONDS} s of processor time")
 
-    out, err = io.TextIOWrapper(io.BytesIO(), "utf-8"), io.TextIOWrapper(io.BytesIO(), "utf-8", "backslashreplace")
+    out, err = (
+        io.TextIOWrapper(io.BytesIO(), "utf-8"),
+        io.TextIOWrapper(io.BytesIO(), "utf-8", "backslashreplace"),
+    )
     signal.signal(signal.SIGVTALRM, stop)
     signal.setitimer(signal.ITIMER_VIRTUAL, MAX_SECONDS)
     try:
@@ -240,7 +363,11 @@ def outcome(arguments):
 
 def contents(base, folder):
     """The content of each file below `base`, by its name seen from `folder`."""
-    return {os.path.relpath(path, folder): path.read_bytes() for path in base.rglob("*") if path.is_file()}
+    return {
+        os.path.relpath(path, folder): path.read_bytes()
+        for path in base.rglob("*")
+        if path.is_file()
+    }
 
 
 def check(arguments, files):
@@ -259,7 +386,11 @@ def check(arguments, files):
     assert len(err.splitlines()) == (code != 0), err
     assert not re.search("Traceback|Error:|Warning:", err)
     assert code != 2 or not out
-    if code == 0 and "--json" in arguments and not {"-h", "--help", "--version", "-o"} & {*arguments}:
+    if (
+        code == 0
+        and "--json" in arguments
+        and not {"-h", "--help", "--version", "-o"} & {*arguments}
+    ):
         assert isinstance(json.loads(out), dict)
     assert not before.keys() - after.keys(), "lost files"
     touched = {name for name, content in after.items() if before.get(name) != content}
@@ -270,7 +401,9 @@ def check(arguments, files):
         stems = ["march", *(Path(word).stem for word in arguments)]
         for command in DEFAULT_ENDINGS.keys() & {*arguments}:
             named += "\n".join(f"{stem}{DEFAULT_ENDINGS[command]}" for stem in stems)
-        touched = {name for name in touched if name not in named and os.path.dirname(name) not in arguments}
+        touched = {
+            name for name in touched if name not in named and os.path.dirname(name) not in arguments
+        }
     assert not touched, "files were changed or left behind"
 
 

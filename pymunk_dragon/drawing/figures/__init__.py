@@ -44,7 +44,11 @@ if TYPE_CHECKING:
 __all__ = ["FIGURES", "figure", "styled_figure", "write_figure", "write_styled"]
 
 # File endings of figures with axes, and metadata that leave out the date, for the same bytes each time.
-_METADATA: dict[str, dict[str, Any]] = {".png": {}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
+_METADATA: dict[str, dict[str, Any]] = {
+    ".png": {},
+    ".svg": {"Date": None},
+    ".pdf": {"CreationDate": None},
+}
 _FIGURE_ENDINGS = tuple(_METADATA)
 
 
@@ -121,7 +125,9 @@ def write_styled(draw: Callable[[], Figure], path: str | Path) -> None:
     # rasterized in the other formats, would have visible bands.
     if ending == ".png" and not any(part.get_rasterized() for part in drawn.findobj()):
         with Image.open(content) as picture:
-            few = picture.convert("RGB").quantize(256, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+            few = picture.convert("RGB").quantize(
+                256, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE
+            )
         content = io.BytesIO()
         few.save(content, format="PNG", optimize=True)
     with written_in_place(destination) as draft:
@@ -152,7 +158,9 @@ def _figure_source(named: NamedFigure, source: Run | March | None) -> FigureSour
     march = March(Dragon(benches=named.benches)) if source is None else source
     instance("source", march, March, "a run or a march")
     if not np.isfinite(march.end):
-        raise ParameterError("march", "one on a curve without end", "a run, which defines the time interval")
+        raise ParameterError(
+            "march", "one on a curve without end", "a run, which defines the time interval"
+        )
     if march.end < _SHORTEST_MARCH:
         bound = f"one of at least {_SHORTEST_MARCH:g} s"
         raise ParameterError("march", f"one of {march.end:g} s", bound)

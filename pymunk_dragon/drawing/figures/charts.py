@@ -45,18 +45,32 @@ def _spiral(source: style.FigureSource) -> Figure:
         raise ParameterError("curve", type(curve).__name__, "a Spiral inward, for this figure")
     gone = float(march.distance(end))
     title = text("Handle 0 walks {:.1f} m of {:.1f} m of spiral").format(gone, curve.end_s - start)
-    figure = style.slide(title, text("{:.4g} turns inward, {:g} m apart").format(turns, curve.turn_width))
+    figure = style.slide(
+        title, text("{:.4g} turns inward, {:g} m apart").format(turns, curve.turn_width)
+    )
     axes = style.panels(figure)
     # At most ten whole minutes.
     minutes = np.arange(0, end / 60, max(1, np.ceil(end / 600)))
     dots = curve.point(start + march.distance(60 * minutes))
     walked, rest = source.path(start, start + gone), source.path(start + gone, curve.end_s)
-    axes.plot(*walked.T, color=style.BLUE, lw=1.8, gid="walked", label=text("the march of handle 0"))
-    axes.plot(*dots.T, "o", color=style.COLOURS.ink, ms=13, gid="minutes", label=text("numbers: minutes"))
+    axes.plot(
+        *walked.T, color=style.BLUE, lw=1.8, gid="walked", label=text("the march of handle 0")
+    )
+    axes.plot(
+        *dots.T, "o", color=style.COLOURS.ink, ms=13, gid="minutes", label=text("numbers: minutes")
+    )
     axes.plot(*walked[-1], "o", color=style.COLOURS.contact, ms=8, gid="last", label=source.end)
     axes.plot(*rest.T, color=style.QUIET, lw=1.0, ls="--", gid="ahead", label=text("not reached"))
     for minute, (x, y) in zip(minutes, dots.tolist(), strict=True):
-        axes.text(x, y, f"{minute:g}", ha="center", va="center", color=style.COLOURS.background, size=style.SMALL)
+        axes.text(
+            x,
+            y,
+            f"{minute:g}",
+            ha="center",
+            va="center",
+            color=style.COLOURS.background,
+            size=style.SMALL,
+        )
     style.plan(axes)
     axes.legend(**style.BESIDE)
     return figure
@@ -79,7 +93,9 @@ def _trajectories(source: style.FigureSource) -> Figure:
         path = source.path(first[handle], last[handle], 900)
         axes.plot(*whole.T, color=style.PALE, lw=0.4)
         axes.plot(*path.T, color=style.BLUE, lw=1.0, gid=f"path-{handle}")
-        start = axes.plot(*path[0], "o", color=ink, mfc=style.COLOURS.background, ms=6, label=text("at the start"))
+        start = axes.plot(
+            *path[0], "o", color=ink, mfc=style.COLOURS.background, ms=6, label=text("at the start")
+        )
         stop = axes.plot(*path[-1], "o", color=ink, ms=6, label=text("at the end"))
         axes.set_title(text("handle {}").format(handle), size=11.5, pad=3)
     cells[len(handles)].legend(handles=start + stop, loc="center", frameon=False)
@@ -96,13 +112,35 @@ def _velocities(source: style.FigureSource) -> Figure:
     path = source.path(states.handles_s[0, -1], states.handles_s[0, 0])
     axes.plot(*path.T, color=style.PALE, lw=0.8)
     for handle in handles:
-        position, velocity, speed = (each[0, handle] for each in (states.positions, states.velocities, states.speeds))
+        position, velocity, speed = (
+            each[0, handle] for each in (states.positions, states.velocities, states.speeds)
+        )
         name = text("handle {}: {:.3f} m/s").format(handle, speed)
         axes.plot(*position, "o", color=style.COLOURS.ink, ms=5, zorder=4, label=name)
-        behind: dict[str, Any] = {"xytext": -18 * velocity / speed, "textcoords": "offset points", "ha": "center"}
-        axes.annotate(str(handle), position, **behind, va="center", size=9, zorder=5, path_effects=style.halo())
+        behind: dict[str, Any] = {
+            "xytext": -18 * velocity / speed,
+            "textcoords": "offset points",
+            "ha": "center",
+        }
+        axes.annotate(
+            str(handle),
+            position,
+            **behind,
+            va="center",
+            size=9,
+            zorder=5,
+            path_effects=style.halo(),
+        )
     points, arrows = states.positions[0, list(handles)], states.velocities[0, list(handles)]
-    axes.quiver(*points.T, *arrows.T, angles="xy", color=style.COLOURS.motion, width=0.006, zorder=3, gid="velocities")
+    axes.quiver(
+        *points.T,
+        *arrows.T,
+        angles="xy",
+        color=style.COLOURS.motion,
+        width=0.006,
+        zorder=3,
+        gid="velocities",
+    )
     style.plan(axes)
     axes.legend(**style.BESIDE)
     return figure
@@ -116,7 +154,9 @@ def _grid(source: style.FigureSource) -> Figure:
     hit, dragon, cells = source.hit, source.march.dragon, Grid.of(source.march)
     corners = dragon.outlines(source.march.at(hit.time).poses[0])
     title = text("{} of {} pairs of benches that share no hole share a cell, and are tested")
-    title = title.format(len(cells.pairs(corners)), (dragon.benches - 1) * (dragon.benches - 2) // 2)
+    title = title.format(
+        len(cells.pairs(corners)), (dragon.benches - 1) * (dragon.benches - 2) // 2
+    )
     origin = "({:g}, {:g})".format(*cells.origin).replace("-", "\u2212")
     subtitle = text("{}; cells of {:g} m, counted from {} m").format(source.end, cells.cell, origin)
     figure = style.slide(title, subtitle)
@@ -134,17 +174,27 @@ def _grid(source: style.FigureSource) -> Figure:
     axes.pcolormesh(x, y, np.clip(most - least + 1, 0, 3), cmap=colours, vmin=0, vmax=3, **lines)
     for bench, outline in enumerate((corners - cells.origin) / (cells.cell, -cells.cell) - 0.5):
         hits = bench in (hit.benches or ())
-        drawn: dict[str, Any] = {"color": style.COLOURS.contact if hits else style.COLOURS.ink, "zorder": 3 + hits}
+        drawn: dict[str, Any] = {
+            "color": style.COLOURS.contact if hits else style.COLOURS.ink,
+            "zorder": 3 + hits,
+        }
         axes.fill(*outline.T, fill=False, lw=2.2 if hits else 1.1, gid=f"bench-{bench}", **drawn)
         # Numbers of shorter benches would cover each other.
         if hits or dragon.lengths[bench] >= 0.15 * cells.cell * len(x):
-            drawn |= {"ha": "center", "va": "center", "size": style.SMALL, "path_effects": style.halo()}
+            drawn |= {
+                "ha": "center",
+                "va": "center",
+                "size": style.SMALL,
+                "path_effects": style.halo(),
+            }
             axes.text(*outline.mean(axis=0), str(bench), **drawn)
     axes.set(aspect="equal", xlabel=text("column j"), ylabel=text("row i"))
     axes.locator_params(integer=True)
     axes.invert_yaxis()
     names = (text("one bench"), text("neighbours only"), text("candidates"))
-    patches = [Patch(fc=colours(kind), ec=style.RULE, label=name) for kind, name in enumerate(names, 1)]
+    patches = [
+        Patch(fc=colours(kind), ec=style.RULE, label=name) for kind, name in enumerate(names, 1)
+    ]
     axes.legend(handles=patches, **style.BESIDE)
     return figure
 
@@ -188,26 +238,36 @@ def _gap(source: style.FigureSource) -> Figure:
     since = float(march.time(march.distance(hit.time) - _GAP_LENGTHS * march.dragon.lengths[0]))
     since = max(source.begin, since)
     misses = [miss for miss in hit.near_misses or () if miss.benches[0] == 0 and miss.time > since]
-    subtitle = text("gap between the head and the nearest bench but its neighbour; dashed: to each bench by itself")
-    figure = style.slide(text("How near the head comes to other benches than its neighbour"), subtitle)
+    subtitle = text(
+        "gap between the head and the nearest bench but its neighbour; dashed: to each bench by itself"
+    )
+    figure = style.slide(
+        text("How near the head comes to other benches than its neighbour"), subtitle
+    )
     axes = style.panels(figure)
     times = np.union1d(np.linspace(since, hit.time, 1000), [miss.time for miss in misses])
     # In parts, to limit memory.
     corners = (march.dragon.outlines(march.at(part).poses) for part in np.array_split(times, 10))
     gaps = np.concatenate([separation(part[:, :1], part[:, 2:]).distance for part in corners])
     for row in np.unique(gaps.argmin(axis=1)).tolist():
-        axes.plot(times, gaps[:, row], color=style.QUIET, lw=0.8, ls=(0, (4, 2)), gid=f"gap-{row + 2}")
+        axes.plot(
+            times, gaps[:, row], color=style.QUIET, lw=0.8, ls=(0, (4, 2)), gid=f"gap-{row + 2}"
+        )
     smallest = gaps.min(axis=1)
     low, high = float(smallest.min()) / 3, 3 * float(smallest.max())
     axes.plot(times, smallest, color=style.BLUE, lw=2.0, gid="gap")
     style.logarithmic(axes, "m", _MIN_GAP if hit.contact else max(_MIN_GAP, low), high)
     axes.set(xlim=(since, hit.time), xlabel=text("time (s)"))
     for miss, marker in zip(misses, "osD^v", strict=False):
-        note = text("bench {}: {:.3f} mm\nat {:.3f} s").format(miss.benches[1], 1e3 * miss.gap, miss.time)
+        note = text("bench {}: {:.3f} mm\nat {:.3f} s").format(
+            miss.benches[1], 1e3 * miss.gap, miss.time
+        )
         axes.plot(miss.time, miss.gap, marker, color=style.COLOURS.ink, ms=6, label=note)
     if hit.contact:
         note = text("bench {}: contact\nat {:.4f} s").format(hit.contact.benches[1], hit.time)
-        axes.plot(hit.time, _MIN_GAP, "X", color=style.COLOURS.contact, ms=8, label=note, clip_on=False)
+        axes.plot(
+            hit.time, _MIN_GAP, "X", color=style.COLOURS.contact, ms=8, label=note, clip_on=False
+        )
     if misses or hit.contact:
         axes.legend(**style.BESIDE)
     return figure
@@ -232,20 +292,46 @@ def _drift(source: style.FigureSource) -> Figure:
         raise ParameterError("run", run and "one without position errors", "a run of `simulate`")
     metres = EngFormatter("m", places=1)
     title = text("The largest position error in a frame is {}").format(metres(run.max_drift))
-    figure = style.slide(title, text("position errors of the benches, at the worse of their two holes"))
+    figure = style.slide(
+        title, text("position errors of the benches, at the worse of their two holes")
+    )
     axes = style.panels(figure)
     # Without the first frame, whose position error is 0.
     frames = np.unique(np.linspace(1, len(run.times) - 1, 600).astype(np.intp))
     some = text("largest of the first {}").format(HEAD_BENCHES)
-    worst = np.fmax.reduce(run.drift[frames], axis=1), np.fmax.reduce(run.drift[frames, :HEAD_BENCHES], axis=1)
-    axes.plot(run.times[frames], worst[0], color=style.BLUE, lw=2.2, gid="any-bench", label=text("largest of all"))
-    axes.plot(run.times[frames], worst[1], color=style.AMBER, lw=2.2, ls="--", gid="first-benches", label=some)
+    worst = (
+        np.fmax.reduce(run.drift[frames], axis=1),
+        np.fmax.reduce(run.drift[frames, :HEAD_BENCHES], axis=1),
+    )
+    axes.plot(
+        run.times[frames],
+        worst[0],
+        color=style.BLUE,
+        lw=2.2,
+        gid="any-bench",
+        label=text("largest of all"),
+    )
+    axes.plot(
+        run.times[frames],
+        worst[1],
+        color=style.AMBER,
+        lw=2.2,
+        ls="--",
+        gid="first-benches",
+        label=some,
+    )
     high = 10.0 ** np.ceil(np.log10(run.max_drift))
     # An engine with a position error as large as the smallest gap can find the wrong first contact.
-    gaps = [miss.gap for miss in source.hit.near_misses or () if run.times[0] <= miss.time <= run.times[-1]]
+    gaps = [
+        miss.gap
+        for miss in source.hit.near_misses or ()
+        if run.times[0] <= miss.time <= run.times[-1]
+    ]
     if gaps:
         note = text("smallest gap: {}").format(metres(min(gaps)))
-        axes.axhline(min(gaps), color=style.COLOURS.ink, lw=1.2, ls=":", gid="smallest-gap", label=note)
+        axes.axhline(
+            min(gaps), color=style.COLOURS.ink, lw=1.2, ls=":", gid="smallest-gap", label=note
+        )
     style.logarithmic(axes, "m", 1e-4 * high, max(high, 2 * min(gaps, default=0.0)))
     axes.set(xlim=(run.times[0], run.times[-1]), xlabel=text("time (s)"))
     axes.legend(**style.BESIDE)
@@ -261,10 +347,14 @@ def _impulses(source: style.FigureSource) -> Figure:
     before = run.times < (run.first_contact.time if run.first_contact else np.inf)
     times, forces = run.times[before], run.joint_forces[before]
     if not forces.max(initial=0.0) > 0:
-        raise ParameterError("run", "one without joint forces", "a run of `simulate` with a frame before the contact")
+        raise ParameterError(
+            "run", "one without joint forces", "a run of `simulate` with a frame before the contact"
+        )
     rows = np.unique(np.searchsorted(times, _several_times(times[0], times[-1])))
     title = text("The joints carry up to {:.2f} N").format(forces[rows].max())
-    subtitle = text("force in every joint, N: the mean over a substep of {:g} ms").format(1e3 * run.substep)
+    subtitle = text("force in every joint, N: the mean over a substep of {:g} ms").format(
+        1e3 * run.substep
+    )
     figure = style.slide(title, subtitle)
     joint = text("joint, from the head to the tail; joint i is between benches i and i + 1")
     _bundle(style.panels(figure), forces[rows], times[rows], "impulse", joint)
@@ -296,9 +386,15 @@ def _bundle(axes: Axes, values: Array, times: Array, gid: str, along: str) -> No
 # All figures by name. 16 benches are the paper's small model, which closes a full loop before its first contact.
 FIGURES: Mapping[str, NamedFigure] = {
     "spiral": NamedFigure("the spiral that handle 0 walks (the paper's figure 2)", _spiral),
-    "outer-loop": NamedFigure("16 benches on the outer loop (figure 3)", _outer_loop, 16, still=True),
-    "inward": NamedFigure("16 benches as they close a full loop (figure 4)", _inward, 16, still=True),
-    "collision": NamedFigure("16 benches at their first contact (figure 5)", _collision, 16, still=True),
+    "outer-loop": NamedFigure(
+        "16 benches on the outer loop (figure 3)", _outer_loop, 16, still=True
+    ),
+    "inward": NamedFigure(
+        "16 benches as they close a full loop (figure 4)", _inward, 16, still=True
+    ),
+    "collision": NamedFigure(
+        "16 benches at their first contact (figure 5)", _collision, 16, still=True
+    ),
     "grid": NamedFigure("which benches are filed in which cells (figure 6)", _grid, 16),
     "trajectories": NamedFigure("the trajectories of seven handles (figure 7)", _trajectories),
     "velocities": NamedFigure("the velocities of seven handles (figure 8)", _velocities),

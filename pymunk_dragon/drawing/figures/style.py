@@ -47,7 +47,12 @@ _TITLE_SIZE, SMALL, _HALO = 16, 10.5, 3.0
 # Area of a slide below its title, as left, bottom, width and height in fractions of the page; inches between panels.
 _BELOW_TITLE, _PADDING = (0.02, 0.01, 0.96, 0.8), 0.1
 # Options of a legend beside axes.
-BESIDE: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (1, 1), "frameon": False, "labelspacing": 0.8}
+BESIDE: dict[str, Any] = {
+    "loc": "upper left",
+    "bbox_to_anchor": (1, 1),
+    "frameon": False,
+    "labelspacing": 0.8,
+}
 # Fraction of a march without contact before its end that shows no speeds, which are unbounded where a spiral ends.
 _IRREGULAR_FRACTION = 0.05
 
@@ -121,7 +126,11 @@ def chart(width: float, height: float) -> Figure:
 def slide(title: str, subtitle: str) -> Figure:
     """Create a figure that fills a slide, with a title and a subtitle in its upper left."""
     figure = _figure_type()(figsize=(_SLIDE_WIDTH, _SLIDE_HEIGHT), dpi=_DPI)
-    aligned: dict[str, Any] = {"x": _MARGIN / _SLIDE_WIDTH, "va": "top", "linespacing": _LINE_SPACING}
+    aligned: dict[str, Any] = {
+        "x": _MARGIN / _SLIDE_WIDTH,
+        "va": "top",
+        "linespacing": _LINE_SPACING,
+    }
     figure.text(y=1 - _TITLE_TOP / _SLIDE_HEIGHT, s=title, size=_TITLE_SIZE, **aligned)
     figure.text(y=1 - _SUBTITLE_TOP / _SLIDE_HEIGHT, s=subtitle, color=QUIET, **aligned)
     return figure
@@ -177,13 +186,17 @@ class FigureSource:
     @property
     def end(self) -> str:
         """Name and time of the first contact, or of the end."""
-        name = text("the first contact, {:.2f} s") if self.hit.contact else text("the end, {:.2f} s")
+        name = (
+            text("the first contact, {:.2f} s") if self.hit.contact else text("the end, {:.2f} s")
+        )
         return name.format(self.hit.time)
 
     @property
     def last_regular_time(self) -> float:
         """Time of the contact, or shortly before an end without contact, s."""
-        return self.hit.time - (0 if self.hit.contact else _IRREGULAR_FRACTION * (self.hit.time - self.begin))
+        return self.hit.time - (
+            0 if self.hit.contact else _IRREGULAR_FRACTION * (self.hit.time - self.begin)
+        )
 
     def path(self, first: float, last: float, points: int = 2400) -> Array:
         """Points (P, 2), m, of the curve between two coordinates, m: by default about 150 on a turn of the paper's."""

@@ -64,7 +64,9 @@ class Layout:
             lettering.check(name, given)
         above = lettering.wrapped(film.title, round(_TITLE_SCALE * letters), total)
         if headings:
-            cells = [_row([lettering.line(heading, letters)], width + _GUTTER) for heading in headings]
+            cells = [
+                _row([lettering.line(heading, letters)], width + _GUTTER) for heading in headings
+            ]
             above.append(_row(cells, total))
         below = _legend(self.scenes, samples, total, letters) if has_legend else []
         below += lettering.wrapped(film.caption, letters, total)
@@ -74,7 +76,11 @@ class Layout:
         self._top, self.size = tops[len(above)], (total, bottom)
         if bottom > _MAX_HEIGHT:
             name, longest = max(film.texts(headings), key=lambda each: len(each[1]))
-            raise ParameterError(name, longest, f"shorter: the film is {bottom} pixels high, and at most {_MAX_HEIGHT}")
+            raise ParameterError(
+                name,
+                longest,
+                f"shorter: the film is {bottom} pixels high, and at most {_MAX_HEIGHT}",
+            )
         self._frame = Image.new("RGB", self.size, COLOURS.background)
         for part, top in zip(parts, tops, strict=True):
             self._frame.paste(part, (0, top))
@@ -102,7 +108,9 @@ def _sampled(take: Take, times: Array) -> _Samples:
     return list(take.at(np.linspace(times[0], times[-1], min(_SAMPLES, len(times)))))
 
 
-def _scenes(takes: Sequence[Take], samples: Sequence[_Samples], times: Array, film: Film) -> list[Scene]:
+def _scenes(
+    takes: Sequence[Take], samples: Sequence[_Samples], times: Array, film: Film
+) -> list[Scene]:
     """Return the scene of each take. A march beside its run shows the position errors of the run."""
     scenes = []
     centre, span = _field(takes, samples, film)
@@ -137,7 +145,9 @@ def _magnification(run: Run, follow: str) -> float | None:
     return max(1.0, float(f"{length.min() / error:.0e}")) if error > 0 else None
 
 
-def _field(takes: Sequence[Take], samples: Sequence[_Samples], film: Film) -> tuple[tuple[float, float], float]:
+def _field(
+    takes: Sequence[Take], samples: Sequence[_Samples], film: Film
+) -> tuple[tuple[float, float], float]:
     """Return the centre, m, and the width, m, of the ground in view, with two lines free for texts."""
     if film.camera.follow == "head":
         widest = max(float(take.march.dragon.widths[0]) for take in takes)
@@ -152,7 +162,9 @@ def _field(takes: Sequence[Take], samples: Sequence[_Samples], film: Film) -> tu
 
 def _extent(take: Take, samples: _Samples) -> tuple[Array, Array]:
     """Return the lower left and upper right corner (2,), m, of the dragon's bounding box in samples."""
-    corners = np.concatenate([take.march.dragon.outlines(poses).reshape(-1, 2) for _, poses in samples])
+    corners = np.concatenate(
+        [take.march.dragon.outlines(poses).reshape(-1, 2) for _, poses in samples]
+    )
     return corners.min(axis=0), corners.max(axis=0)
 
 
@@ -187,9 +199,16 @@ def _row(parts: Sequence[Image.Image], width: int) -> Image.Image:
     return row
 
 
-def _legend(scenes: Sequence[Scene], samples: Sequence[_Samples], width: int, letters: int) -> list[Image.Image]:
+def _legend(
+    scenes: Sequence[Scene], samples: Sequence[_Samples], width: int, letters: int
+) -> list[Image.Image]:
     """Return the lines of a legend of what is in view, and a scale bar: 1, 2 or 5 times a power of ten, m."""
-    names = {"head": text("head"), "body": text("body"), "tail": text("tail"), "contact": text("in contact")}
+    names = {
+        "head": text("head"),
+        "body": text("body"),
+        "tail": text("tail"),
+        "contact": text("in contact"),
+    }
     seen = set[str]().union(*map(Scene.parts, scenes, samples))
     shown = [(name, getattr(COLOURS, part)) for part, name in names.items() if part in seen]
     entries = [_entry(colour, letters, letters // 2, name, letters) for name, colour in shown]

@@ -109,4 +109,8 @@ class Film:
     def texts(self, headings: Sequence[str]) -> list[tuple[str, str]]:
         """Return the names and values of title, caption and headings."""
         headings = instances("headings", headings, str, "texts")
-        return [("title", self.title), ("caption", self.caption), *(("headings", each) for each in headings)]
+        return [
+            ("title", self.title),
+            ("caption", self.caption),
+            *(("headings", each) for each in headings),
+        ]

@@ -63,7 +63,9 @@ class Take(Snapshots):
     def near_misses(self) -> tuple[NearMiss, ...]:
         """Near misses of the exact model in the window. A run with free benches has none."""
         start, until = self.moving
-        found = () if self.search is None or not self._keeps_to_march else self.search.near_misses or ()
+        found = (
+            () if self.search is None or not self._keeps_to_march else self.search.near_misses or ()
+        )
         return tuple(miss for miss in found if start <= miss.time <= until)
 
     @property
@@ -99,7 +101,9 @@ def shared_window(sources: Sequence[Snapshots]) -> Window:
     return max(begins), max(ends)
 
 
-def takes_of_film(sources: Sequence[Snapshots], film: Film, *, still: bool = False) -> tuple[Take, ...]:
+def takes_of_film(
+    sources: Sequence[Snapshots], film: Film, *, still: bool = False
+) -> tuple[Take, ...]:
     """Return the takes of a film, or of a picture of its last time.
 
     A ParameterError is raised if the film's window does not fit the sources.
@@ -122,14 +126,19 @@ def takes_in(
     window: Window, sources: Sequence[Snapshots], film: Film, known: FirstContact | None = None
 ) -> tuple[Take, ...]:
     """Return the takes of a time window. `known` is the result of the search if it was made for the only source."""
-    takes = [Take(march=each.march, run=each.run, window=window, beside=_beside(each, sources)) for each in sources]
+    takes = [
+        Take(march=each.march, run=each.run, window=window, beside=_beside(each, sources))
+        for each in sources
+    ]
 
     # A march and its runs share one search.
     searches: dict[int, FirstContact | None] = {}
     for march in (take.march for take in takes):
         if id(march) not in searches:
             interval = _searched([take for take in takes if take.march is march], film)
-            searches[id(march)] = None if interval is None else known or _first_contact_until(march, *interval)
+            searches[id(march)] = (
+                None if interval is None else known or _first_contact_until(march, *interval)
+            )
     return tuple(replace(take, search=searches[id(take.march)]) for take in takes)
 
 

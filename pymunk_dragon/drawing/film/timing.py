@@ -76,7 +76,9 @@ def frame_times(takes: Sequence[Take], film: Film) -> Timing:
     # A remainder of rounding error gets no frame of its own; the last time is always there.
     count = math.ceil((until - start) / step - 1e-6)
     if count > _MAX_FRAMES:
-        raise ParameterError("speedup", film.speedup, f"such that the film has at most {_MAX_FRAMES} frames")
+        raise ParameterError(
+            "speedup", film.speedup, f"such that the film has at most {_MAX_FRAMES} frames"
+        )
     times = np.minimum(start + step * np.arange(count + 1), until)
     return Timing(times, film.fps, film.hold)
 
@@ -89,7 +91,9 @@ def _slowed(takes: Sequence[Take], film: Film) -> Array:
     start, until = window = takes[0].window
     # s: the least time in which the head travels so far. Without the head's spacing, if there is another.
     marches = [take.march for take in takes]
-    spacings = [float(march.dragon.spacings[-max(1, march.dragon.benches - 1) :].min()) for march in marches]
+    spacings = [
+        float(march.dragon.spacings[-max(1, march.dragon.benches - 1) :].min()) for march in marches
+    ]
     fastest = [march.speed_profile.fastest(start, until) for march in marches]
     least = min(spacing / speed for spacing, speed in zip(spacings, fastest, strict=True))
     rate = film.fps * _ADVANCE[film.camera.follow] * least
@@ -108,7 +112,9 @@ def _slowed(takes: Sequence[Take], film: Film) -> Array:
     return chosen
 
 
-def _film_times(window: tuple[float, float], rate: float, events: Sequence[_Event]) -> tuple[Array, Array]:
+def _film_times(
+    window: tuple[float, float], rate: float, events: Sequence[_Event]
+) -> tuple[Array, Array]:
     """Simulated times (P,), s, and the times in the film at which they are shown, from 0 s on."""
     times = np.linspace(*window, _POINTS)
     film = (times - times[0]) / rate

@@ -81,7 +81,9 @@ class Lesson:
         """The lesson in a file."""
         _, *parts = CELL.split(path.read_text(encoding="utf-8"))
         cells = list(zip(parts[::2], parts[1::2], strict=True))
-        markdown = "".join(re.sub("^# ?", "", text, flags=re.M) for mark, text in cells if "[markdown]" in mark)
+        markdown = "".join(
+            re.sub("^# ?", "", text, flags=re.M) for mark, text in cells if "[markdown]" in mark
+        )
         code = tuple(text.strip("\n") for mark, text in cells if "[markdown]" not in mark)
         options = {name: json.loads(value) for name, value in OPTION.findall(parts[0])}
         _, title, question, *more = HEADING.split(markdown)
@@ -108,7 +110,12 @@ class Lesson:
         found: dict[str, Any] = {}
         exec(self.cells[0], found)
         about = {"name": self.options["scene"], "title": self.texts["Title"], "lesson": self.name}
-        return {"build": found["build"], "field": tuple(self.options["view"]), **about, **found["LIVE"]}
+        return {
+            "build": found["build"],
+            "field": tuple(self.options["view"]),
+            **about,
+            **found["LIVE"],
+        }
 
     def sections(self, language: str = "en") -> Mapping[str, str]:
         """The Markdown of each section; one without a translation is English."""
@@ -129,7 +136,9 @@ def blocks(markdown: str) -> list[Block]:
     """Paragraphs and lists, each text on one line."""
     found = []
     for block in markdown.split("\n\n"):
-        text, *items = (" ".join(part.split()) for part in re.split("^- ", block, flags=re.MULTILINE))
+        text, *items = (
+            " ".join(part.split()) for part in re.split("^- ", block, flags=re.MULTILINE)
+        )
         found.append(Block(text, tuple(items)))
     return found
 
@@ -137,7 +146,9 @@ def blocks(markdown: str) -> list[Block]:
 @cache
 def lessons() -> Mapping[str, Lesson]:
     """The lessons of the package by name, in their order."""
-    found = sorted(map(Lesson.read, FOLDER.glob("[!_]*.py")), key=lambda lesson: lesson.options["order"])
+    found = sorted(
+        map(Lesson.read, FOLDER.glob("[!_]*.py")), key=lambda lesson: lesson.options["order"]
+    )
     return MappingProxyType({lesson.name: lesson for lesson in found})
 
 

@@ -38,7 +38,9 @@ def _part(part: str) -> str:
     if part.startswith("$"):
         _, formula, stops = part.split("$")
         # With a thin space behind the name of a function, which browsers leave out.
-        made = FUNCTION.sub(r'\1<mspace width="0.167em" />', library("latex2mathml.converter").convert(formula))
+        made = FUNCTION.sub(
+            r'\1<mspace width="0.167em" />', library("latex2mathml.converter").convert(formula)
+        )
         return f'<span class="formula">{made}{stops}</span>'
     return re.sub(r"(?<=\d) (?=\w)", "\u00a0", escape(part, quote=False))
 

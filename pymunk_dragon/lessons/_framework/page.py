@@ -20,7 +20,12 @@ from pymunk_dragon.web.page import colour_variables
 
 PAGE, NOTEBOOK, PROGRAM = ".html", ".ipynb", ".py"
 ASSETS = "lessons/_framework/assets"
-MEDIA_TYPES = {".gif": "image/gif", ".png": "image/png", ".py": "text/x-python", ".ipynb": "application/x-ipynb+json"}
+MEDIA_TYPES = {
+    ".gif": "image/gif",
+    ".png": "image/png",
+    ".py": "text/x-python",
+    ".ipynb": "application/x-ipynb+json",
+}
 # Scripts of the page, between the last two of which the stages of the lessons stand; and its styles.
 SCRIPTS = [f"web/assets/{name}.js" for name in ("common", "geometry", "pane")]
 SCRIPTS += [f"{ASSETS}/{name}.js" for name in ("chain", "lab", "lessons")]
@@ -78,7 +83,11 @@ def write_lessons(
 
 
 def run_page(
-    lessons: Sequence[Lesson], language: str, progress: Callable[[int, int], object], *, live: bool = False
+    lessons: Sequence[Lesson],
+    language: str,
+    progress: Callable[[int, int], object],
+    *,
+    live: bool = False,
 ) -> str:
     """Run lessons, and return their page; see `write_lessons` and `make_page`."""
     # Before the lessons are run.
@@ -133,7 +142,9 @@ def _values(recording: Recording, live: bool) -> dict[str, Any]:
         "picture": _picture(recording),
         "code": _highlighted("\n\n".join(lesson.cells)),
         "program": _address(lesson.source.encode(), PROGRAM),
-        "notebooks": {each: _address(make_notebook(lesson, each).encode(), NOTEBOOK) for each in LANGUAGES},
+        "notebooks": {
+            each: _address(make_notebook(lesson, each).encode(), NOTEBOOK) for each in LANGUAGES
+        },
     }
 
 
@@ -162,7 +173,9 @@ def _spiral() -> str:
 def _highlighted(code: str) -> str:
     """Python code as HTML with a class for each kind of token."""
     formatter = library("pygments.formatters").HtmlFormatter(nowrap=True)
-    return str(library("pygments").highlight(code, library("pygments.lexers").PythonLexer(), formatter))
+    return str(
+        library("pygments").highlight(code, library("pygments.lexers").PythonLexer(), formatter)
+    )
 
 
 def _address(content: bytes, ending: str) -> str:

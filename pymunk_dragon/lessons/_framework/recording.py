@@ -37,7 +37,12 @@ def run(lesson: Lesson, folder: Path) -> Iterator[str]:
     # Not by its folder on the path: a module of Python could have the name of a lesson.
     command = [sys.executable, "-P", "-u", str(lesson.path)]
     environment = os.environ | {"MPLBACKEND": "agg", "PYTHONIOENCODING": "utf-8"}
-    options: dict[str, Any] = {"cwd": folder, "env": environment, "encoding": "utf-8", "stdin": subprocess.DEVNULL}
+    options: dict[str, Any] = {
+        "cwd": folder,
+        "env": environment,
+        "encoding": "utf-8",
+        "stdin": subprocess.DEVNULL,
+    }
     options |= {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
     is_held = True
     # Signals wait until the process has started, so that it is always ended.
@@ -51,11 +56,17 @@ def run(lesson: Lesson, folder: Path) -> Iterator[str]:
         finally:
             process.kill()
     if process.returncode:
-        if (missing := MISSING.search(errors)) and missing[1] in FEATURES and not is_installed(missing[1]):
+        if (
+            (missing := MISSING.search(errors))
+            and missing[1] in FEATURES
+            and not is_installed(missing[1])
+        ):
             raise MissingExtraError("a lesson", "demos")
         if unwritten := re.search(r"OSError: \[Errno \d+\] (.+)", errors):
             raise OutputError("the picture of the lesson", unwritten[1])
-        raise DragonError(f"the program of the lesson {lesson.name!r} failed: {errors.strip().splitlines()[-1]}")
+        raise DragonError(
+            f"the program of the lesson {lesson.name!r} failed: {errors.strip().splitlines()[-1]}"
+        )
 
 
 def picture(lesson: Lesson, folder: Path) -> Path:
@@ -96,5 +107,7 @@ def make_folder(path: str | Path) -> Path:
         Path(path).mkdir(parents=True, exist_ok=True)
         tempfile.TemporaryFile(dir=path).close()
     except OSError as error:
-        raise ParameterError("save", str(path), f"a folder that can be written ({error.strerror})") from error
+        raise ParameterError(
+            "save", str(path), f"a folder that can be written ({error.strerror})"
+        ) from error
     return Path(path)

@@ -25,4 +25,15 @@ from pymunk_dragon.model.curves.sampled import Sampled
 from pymunk_dragon.model.curves.spiral import Spiral
 from pymunk_dragon.model.curves.u_turn import UTurn
 
-__all__ = ["Arc", "Composite", "Curve", "Line", "Reversed", "Sampled", "Section", "Spiral", "UTurn", "check_curve"]
+__all__ = [
+    "Arc",
+    "Composite",
+    "Curve",
+    "Line",
+    "Reversed",
+    "Sampled",
+    "Section",
+    "Spiral",
+    "UTurn",
+    "check_curve",
+]

@@ -50,10 +50,20 @@ class Arc(PackageCurve, kind="arc"):
 
     def __post_init__(self) -> None:
         radius = finite("radius", self.radius, _MIN_RADIUS, FARTHEST, "m")
-        angles = {n: finite(n, getattr(self, n), -_MAX_ANGLE, _MAX_ANGLE, "rad") for n in ("begin_angle", "sweep")}
-        self._set(centre=position("centre", self.centre), radius=radius, **angles, end_s=radius * abs(angles["sweep"]))
+        angles = {
+            n: finite(n, getattr(self, n), -_MAX_ANGLE, _MAX_ANGLE, "rad")
+            for n in ("begin_angle", "sweep")
+        }
+        self._set(
+            centre=position("centre", self.centre),
+            radius=radius,
+            **angles,
+            end_s=radius * abs(angles["sweep"]),
+        )
         if self.end_s < _SHORTEST:
-            raise ParameterError("sweep", self.sweep, f"at least {_SHORTEST / radius:.3g} rad, to either side")
+            raise ParameterError(
+                "sweep", self.sweep, f"at least {_SHORTEST / radius:.3g} rad, to either side"
+            )
 
     def _frame(self, s: Array) -> tuple[Array, Array]:
         angle = self.begin_angle + self._curvature(s) * s

@@ -95,7 +95,9 @@ class Curve(ABC):
             # A class of the same name, as in a notebook's cell, is replaced.
             known = Curve.kinds.get(cls.kind, cls)
             if (known.__module__, known.__name__) != (cls.__module__, cls.__name__):
-                raise ParameterError("kind", cls.kind, f"no other class's, but it is that of {known.__name__}")
+                raise ParameterError(
+                    "kind", cls.kind, f"no other class's, but it is that of {known.__name__}"
+                )
             Curve.kinds[cls.kind] = cls
 
     @abstractmethod
@@ -154,7 +156,10 @@ class Curve(ABC):
         with np.errstate(all="ignore"):
             for _ in range(_FOOT_PASSES):
                 feet, tangents = self.frame(s)
-                step = np.clip(s + np.sum((xy - feet) * tangents, axis=-1), self.begin_s, self.end_s) - s
+                step = (
+                    np.clip(s + np.sum((xy - feet) * tangents, axis=-1), self.begin_s, self.end_s)
+                    - s
+                )
                 s = s + step
                 if np.all(np.abs(step) <= _NEAR_FOOT):
                     break
@@ -162,7 +167,9 @@ class Curve(ABC):
 
     def at_turn(self, turns: float) -> float:
         """Coordinate `turns` turns from the centre, m; an error on a curve whose turns are not counted."""
-        raise ParameterError("turns", turns, "absent: only a Spiral has turns, other curves have a start_s")
+        raise ParameterError(
+            "turns", turns, "absent: only a Spiral has turns, other curves have a start_s"
+        )
 
     def turns(self, s: float) -> float | None:
         """Number of turns from the centre at the coordinate `s` m; None on a curve whose turns are not counted."""
@@ -187,7 +194,9 @@ class Curve(ABC):
         Line(start=(0.0, 0.0), stop=(3.0, 4.0))
         """
         if not isinstance(values, Mapping):
-            raise ParameterError("curve", values, "a table with the kind of a curve and its parameters")
+            raise ParameterError(
+                "curve", values, "a table with the kind of a curve and its parameters"
+            )
         curve: Curve = _made(values, "curve", 1)
         return curve
 
@@ -297,12 +306,16 @@ def _plain(value: Any, where: str, depth: int) -> Any:
     if not isinstance(value, Curve):
         return value.tolist() if isinstance(value, np.ndarray) else value
     if depth > _MAX_DEPTH:
-        raise ParameterError("curve", type(value).__name__, f"nested in at most {_MAX_DEPTH - 1} other curves")
+        raise ParameterError(
+            "curve", type(value).__name__, f"nested in at most {_MAX_DEPTH - 1} other curves"
+        )
     if value.kind is None or not is_dataclass(value):
         bound = f"a curve of a registered kind: {', '.join(sorted(Curve.kinds))} or one of your own"
         raise ParameterError(where, type(value).__name__, bound)
     names = parameters_of(type(value))
-    return {"kind": value.kind} | {name: _plain(getattr(value, name), f"{where}.{name}", depth + 1) for name in names}
+    return {"kind": value.kind} | {
+        name: _plain(getattr(value, name), f"{where}.{name}", depth + 1) for name in names
+    }
 
 
 def _made(values: Any, where: str, depth: int) -> Any:
@@ -328,12 +341,18 @@ def _check_names(kind: str, given: Mapping[str, Any], where: str) -> None:
     known = parameters_of(Curve.kinds[kind])
     for name in given:
         if name not in known:
-            owners = sorted(other for other, cls in Curve.kinds.items() if name in parameters_of(cls))
+            owners = sorted(
+                other for other, cls in Curve.kinds.items() if name in parameters_of(cls)
+            )
             hint = f"kinds with it: {', '.join(owners)}" if owners else f"it has {', '.join(known)}"
-            raise ParameterError(f"{where}.{name}", given[name], f"absent on a {kind} curve; {hint}")
+            raise ParameterError(
+                f"{where}.{name}", given[name], f"absent on a {kind} curve; {hint}"
+            )
     for name, required in known.items():
         if required and name not in given:
-            raise ParameterError(f"{where}.{name}", None, f"given: the kind {kind} has no default for it")
+            raise ParameterError(
+                f"{where}.{name}", None, f"given: the kind {kind} has no default for it"
+            )
 
 
 def position(name: str, value: object) -> tuple[float, float]:

@@ -57,14 +57,20 @@ def check_curve(curve: Curve, low: float | None = None, high: float | None = Non
     begin, end = map(number, ends)
     # Written so that nan fails.
     if not begin < end:
-        raise ParameterError(f"{type(curve).__name__}.begin_s and end_s", ends, "two numbers, m, the first one smaller")
+        raise ParameterError(
+            f"{type(curve).__name__}.begin_s and end_s",
+            ends,
+            "two numbers, m, the first one smaller",
+        )
     if low is None:
         low = begin if np.isfinite(begin) else min(end, _REACH / 2) - _REACH
     low = finite("low", low, begin, end, "m")
     if high is None:
         high = end if np.isfinite(end) else low + _REACH
     s = np.linspace(low, finite("high", high, low, end, "m"), _SAMPLES)
-    edges = {edge: edge + side * _BEYOND for side, edge in ((-1, begin), (1, end)) if np.isfinite(edge)}
+    edges = {
+        edge: edge + side * _BEYOND for side, edge in ((-1, begin), (1, end)) if np.isfinite(edge)
+    }
     _check_values(curve, s, edges)
     _check_derivatives(curve, s[(s - _STEP >= begin) & (s + _STEP <= end)])
     _check_max_curvature(curve, s, edges)
@@ -78,14 +84,18 @@ def _result(curve: Curve, method: str, *arguments: ArrayLike) -> Array:
     name, wanted = f"{type(curve).__name__}.{method}(s)", shape + _TAILS.get(method, ())
     array: Array = numbers(name, result)
     if array.shape != wanted:
-        raise ParameterError(name, result, f"of the shape {wanted} for coordinates of the shape {shape}")
+        raise ParameterError(
+            name, result, f"of the shape {wanted} for coordinates of the shape {shape}"
+        )
     return array
 
 
 def _require(curve: Curve, method: str, s: Array, found: Array, right: Any, bound: str) -> None:
     """Raise an error for the first coordinate (n,) at which what was `found` (n, ...) is not right."""
     for i in np.flatnonzero(~np.all(right, axis=tuple(range(1, np.ndim(right)))))[:1].tolist():
-        raise ParameterError(f"{type(curve).__name__}.{method}({s[i]:.9g})", found[i].tolist(), bound)
+        raise ParameterError(
+            f"{type(curve).__name__}.{method}({s[i]:.9g})", found[i].tolist(), bound
+        )
 
 
 def _check_values(curve: Curve, s: Array, edges: dict[float, Array]) -> None:
@@ -99,23 +109,36 @@ def _check_values(curve: Curve, s: Array, edges: dict[float, Array]) -> None:
             alone = [_result(curve, method, float(one)) for one in arguments.flat]
             found = _result(curve, method, arguments).reshape(len(alone), *_TAILS[method])
             same = np.abs(found - np.reshape(alone, found.shape)) <= _SAME * (1 + np.abs(found))
-            _require(curve, method, arguments.ravel(), found, same, "the same as for each coordinate alone")
+            _require(
+                curve,
+                method,
+                arguments.ravel(),
+                found,
+                same,
+                "the same as for each coordinate alone",
+            )
 
 
 def _check_derivatives(curve: Curve, s: Array) -> None:
     around = [s - _STEP, s, s + _STEP]
-    points, tangents = ([_result(curve, name, part) for part in around] for name in ("point", "tangent"))
+    points, tangents = (
+        [_result(curve, name, part) for part in around] for name in ("point", "tangent")
+    )
     curvatures = np.array([_result(curve, "curvature", part) for part in around])
     size, jump = 1 + np.abs(curvatures).max(initial=0) ** 2, np.ptp(curvatures, axis=0)[:, None]
     ahead, curvature = tangents[1], curvatures[1][:, None]
     unit = np.abs(np.linalg.norm(ahead, axis=1) - 1) <= _ROUNDING
     _require(curve, "tangent", s, ahead, unit, "a unit vector")
-    close = np.abs((points[2] - points[0]) / (2 * _STEP) - ahead) <= _TOLERANCE * size + _STEP * jump
+    close = (
+        np.abs((points[2] - points[0]) / (2 * _STEP) - ahead) <= _TOLERANCE * size + _STEP * jump
+    )
     _require(curve, "tangent", s, ahead, close, "the derivative of point by the arc length")
     normals = np.stack([-ahead[:, 1], ahead[:, 0]], axis=-1)
     off = np.abs((tangents[2] - tangents[0]) / (2 * _STEP) - curvature * normals)
     close = off <= _TOLERANCE * size**1.5 + jump
-    _require(curve, "curvature", s, curvatures[1], close, "the derivative of the direction of tangent")
+    _require(
+        curve, "curvature", s, curvatures[1], close, "the derivative of the direction of tangent"
+    )
 
 
 def _check_max_curvature(curve: Curve, s: Array, edges: dict[float, Array]) -> None:
@@ -124,26 +147,52 @@ def _check_max_curvature(curve: Curve, s: Array, edges: dict[float, Array]) -> N
     for edge, beyond in edges.items():
         found = _result(curve, "max_curvature", beyond[:1], beyond[2:])
         _require(curve, "max_curvature", beyond[:1], found, found == 0, "0 beyond the ends")
-        found, known = (_result(curve, "max_curvature", np.array([one]), s[:1]) for one in (beyond[1], edge))
+        found, known = (
+            _result(curve, "max_curvature", np.array([one]), s[:1]) for one in (beyond[1], edge)
+        )
         right = np.abs(found - known) <= _ROUNDING * known
-        _require(curve, "max_curvature", beyond[1:2], found, right, f"{known[0]:.9g}, as from the end on")
+        _require(
+            curve, "max_curvature", beyond[1:2], found, right, f"{known[0]:.9g}, as from the end on"
+        )
     curvatures, first = np.abs(_result(curve, "curvature", s)), np.arange(0, s.size, 7)
     for width in _WIDTHS:
         last = np.minimum(first + width, s.size - 1)
-        bound, swapped = (_result(curve, "max_curvature", s[a], s[b]) for a, b in ((first, last), (last, first)))
+        bound, swapped = (
+            _result(curve, "max_curvature", s[a], s[b]) for a, b in ((first, last), (last, first))
+        )
         largest = np.array([curvatures[a : b + 1].max() for a, b in zip(first, last, strict=True)])
         right = np.isfinite(bound) & (bound * (1 + _ROUNDING) >= largest)
-        _require(curve, "max_curvature", s[first], bound, right, "finite, and no less than any curvature in between")
-        _require(curve, "max_curvature", s[last], swapped, swapped == bound, "the same in both orders")
+        _require(
+            curve,
+            "max_curvature",
+            s[first],
+            bound,
+            right,
+            "finite, and no less than any curvature in between",
+        )
+        _require(
+            curve, "max_curvature", s[last], swapped, swapped == bound, "the same in both orders"
+        )
 
 
 def _check_other_methods(curve: Curve, s: Array) -> None:
     wanted = np.stack([_result(curve, name, s) for name in ("point", "tangent")], axis=1)
     frame = np.stack(curve.frame(s), axis=1)
-    _require(curve, "frame", s, frame[:, 0], np.abs(frame - wanted) <= _SAME, "what point and tangent return")
+    _require(
+        curve,
+        "frame",
+        s,
+        frame[:, 0],
+        np.abs(frame - wanted) <= _SAME,
+        "what point and tangent return",
+    )
     parameters = curve._parameter(s)
     back, (points, derivatives) = curve._coordinate(parameters), curve._motion(parameters)
-    bound = "as point and tangent have it: derive the class from Curve, not from a curve of the package"
+    bound = (
+        "as point and tangent have it: derive the class from Curve, not from a curve of the package"
+    )
     _require(curve, "_coordinate", s, back, np.abs(back - s) <= _SAME, bound)
-    found = np.stack([as_vectors(points.copy()), as_vectors(derivatives / np.abs(derivatives))], axis=1)
+    found = np.stack(
+        [as_vectors(points.copy()), as_vectors(derivatives / np.abs(derivatives))], axis=1
+    )
     _require(curve, "_motion", s, found[:, 0], np.abs(found - wanted) <= _SAME, bound)

@@ -69,7 +69,9 @@ class Composite(PackageCurve, kind="composite"):
         pieces: tuple[Curve, ...] = tuple(given) if isinstance(given, Sequence) else ()
         if not pieces or not all(isinstance(piece, Curve) for piece in pieces):
             raise ParameterError("pieces", self.pieces, "one Curve or more")
-        zero = next((float(end) for end in (pieces[0].begin_s, pieces[0].end_s) if math.isfinite(end)), 0.0)
+        zero = next(
+            (float(end) for end in (pieces[0].begin_s, pieces[0].end_s) if math.isfinite(end)), 0.0
+        )
         links, joints, parameter_joints = [_Link(pieces[0], zero, 0.0)], [], []
         for before, after in pairwise(pieces):
             ends = (before, before.end_s), (after, after.begin_s)
@@ -78,22 +80,39 @@ class Composite(PackageCurve, kind="composite"):
             joints.append(before.end_s - links[-1].shift)
             parameter_joints.append(end - links[-1].parameter_shift)
             links.append(_Link(after, after.begin_s - joints[-1], begin - parameter_joints[-1]))
-        self._set(pieces=pieces, joints=tuple(joints), _parameter_joints=tuple(parameter_joints), _links=tuple(links))
-        ends_s = [end for piece in pieces for end in (piece.begin_s, piece.end_s, *piece.inner_ends)]
+        self._set(
+            pieces=pieces,
+            joints=tuple(joints),
+            _parameter_joints=tuple(parameter_joints),
+            _links=tuple(links),
+        )
+        ends_s = [
+            end for piece in pieces for end in (piece.begin_s, piece.end_s, *piece.inner_ends)
+        ]
         self._set(inner_ends=tuple(filter(math.isfinite, ends_s)))
         self._set(begin_s=pieces[0].begin_s - zero, end_s=pieces[-1].end_s - links[-1].shift)
 
-    def _check_joint(self, number: int, before: tuple[Curve, float], after: tuple[Curve, float]) -> None:
+    def _check_joint(
+        self, number: int, before: tuple[Curve, float], after: tuple[Curve, float]
+    ) -> None:
         """Refuse two curves that do not meet at these coordinates: joint `number`, counted from 1."""
         names = f"piece {number} ({type(before[0]).__name__}) and piece {number + 1} ({type(after[0]).__name__})"
         if not (math.isfinite(before[1]) and math.isfinite(after[1])):
-            raise ParameterError("pieces", self.pieces, f"finite where they meet: {names} lie infinitely far apart")
-        (point, ahead), (other, turned) = (map(as_complex, curve.frame(end)) for curve, end in (before, after))
+            raise ParameterError(
+                "pieces", self.pieces, f"finite where they meet: {names} lie infinitely far apart"
+            )
+        (point, ahead), (other, turned) = (
+            map(as_complex, curve.frame(end)) for curve, end in (before, after)
+        )
         gap, kink = abs(other - point), abs(np.angle(turned / ahead))
         # Written so that nan fails.
         if not (gap <= _MAX_GAP and kink <= _MAX_KINK):
             apart = f"{gap:.3g} m and {kink:.3g} rad ({math.degrees(kink):.3g} degrees)"
-            raise ParameterError("pieces", self.pieces, f"joined smoothly: at joint {number} {names} are {apart} apart")
+            raise ParameterError(
+                "pieces",
+                self.pieces,
+                f"joined smoothly: at joint {number} {names} are {apart} apart",
+            )
 
     def _parts(self, joints: tuple[float, ...], values: Array) -> Iterator[tuple[_Link, Any]]:
         """Pieces that end at `joints`, each with the indices of the values (...) on it; nan is on the last one."""
@@ -116,7 +135,9 @@ class Composite(PackageCurve, kind="composite"):
 
     def _max_curvature(self, lower: Array, upper: Array) -> Array:
         curvatures = np.zeros(lower.shape)
-        for link, (begin, end) in zip(self._links, pairwise([-np.inf, *self.joints, np.inf]), strict=True):
+        for link, (begin, end) in zip(
+            self._links, pairwise([-np.inf, *self.joints, np.inf]), strict=True
+        ):
             shared = (lower <= end) & (upper >= begin)
             if shared.any():
                 found = link.curve.max_curvature(link.on(lower[shared]), link.on(upper[shared]))
@@ -138,7 +159,9 @@ class Composite(PackageCurve, kind="composite"):
     def _motion(self, parameter: Array) -> tuple[Complex, Complex]:
         points, derivatives = np.empty((2, *parameter.shape), dtype=complex)
         for link, here in self._parts(self._parameter_joints, parameter):
-            points[here], derivatives[here] = link.curve._motion(parameter[here] + link.parameter_shift)
+            points[here], derivatives[here] = link.curve._motion(
+                parameter[here] + link.parameter_shift
+            )
         return points, derivatives
 
     def _estimate(self, heads: Array, parameters: Array, spacings: Array) -> Array:
@@ -146,7 +169,9 @@ class Composite(PackageCurve, kind="composite"):
         if not self.joints or not (heads <= self.joints[0]).all():
             return super()._estimate(heads, parameters, spacings)
         first = self._links[0]
-        estimate = first.curve._estimate(first.on(heads), parameters + first.parameter_shift, spacings)
+        estimate = first.curve._estimate(
+            first.on(heads), parameters + first.parameter_shift, spacings
+        )
         return estimate - first.parameter_shift
 
 
@@ -178,7 +203,9 @@ class Section(PackageCurve, kind="section"):
         begin, end = number(self.begin_s), number(self.end_s)
         # Written so that nan fails.
         if not first <= begin < last:
-            raise ParameterError("begin_s", self.begin_s, f"a coordinate on the curve, from {first:g} to {last:g} m")
+            raise ParameterError(
+                "begin_s", self.begin_s, f"a coordinate on the curve, from {first:g} to {last:g} m"
+            )
         if not begin < end <= last:
             bound = f"a coordinate on the curve after {begin:g} m, at most {last:g} m"
             raise ParameterError("end_s", self.end_s, bound)

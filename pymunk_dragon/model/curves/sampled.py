@@ -9,7 +9,15 @@ from typing import Self
 
 import numpy as np
 
-from pymunk_dragon._arrays import Array, ArrayRecord, Complex, Indices, as_complex, as_vectors, read_only
+from pymunk_dragon._arrays import (
+    Array,
+    ArrayRecord,
+    Complex,
+    Indices,
+    as_complex,
+    as_vectors,
+    read_only,
+)
 from pymunk_dragon._checks import numbers
 from pymunk_dragon._extras import library
 from pymunk_dragon._files import number_rows
@@ -39,7 +47,13 @@ _MAX_HALVINGS = 40
 # From the powers of a polynomial on [0, 1] to its Bernstein coefficients, between which all its values lie.
 _BERNSTEIN_2 = np.array([[1, 0, 0], [1, 1 / 2, 0], [1, 1, 1]])
 _BERNSTEIN_4 = np.array(
-    [[1, 0, 0, 0, 0], [1, 1 / 4, 0, 0, 0], [1, 1 / 2, 1 / 6, 0, 0], [1, 3 / 4, 1 / 2, 1 / 4, 0], [1, 1, 1, 1, 1]]
+    [
+        [1, 0, 0, 0, 0],
+        [1, 1 / 4, 0, 0, 0],
+        [1, 1 / 2, 1 / 6, 0, 0],
+        [1, 3 / 4, 1 / 2, 1 / 4, 0],
+        [1, 1, 1, 1, 1],
+    ]
 )
 
 
@@ -83,9 +97,13 @@ class Sampled(ArrayRecord, PackageCurve, kind="sampled"):
         chords = np.abs(np.diff(path))
         spline = library("scipy.interpolate").CubicSpline(np.append(0.0, np.cumsum(chords)), path)
         # SciPy gives the highest power first, and a piece's parameter in m.
-        cubics, lengths, curvatures = _cut((spline.c[::-1] * chords ** np.arange(4)[:, None]).T, path)
+        cubics, lengths, curvatures = _cut(
+            (spline.c[::-1] * chords ** np.arange(4)[:, None]).T, path
+        )
         edges = np.append(0.0, np.cumsum(lengths))
-        self._set(points=points, _cubics=cubics, _curvatures=curvatures, _lengths=lengths, _edges=edges)
+        self._set(
+            points=points, _cubics=cubics, _curvatures=curvatures, _lengths=lengths, _edges=edges
+        )
         self._set(end_s=float(edges[-1]))
 
     @classmethod
@@ -104,7 +122,10 @@ class Sampled(ArrayRecord, PackageCurve, kind="sampled"):
         cubics, w = self._located(s)
         zero, one, two, three = cubics.T
         velocity = _velocity(cubics, w)
-        points, tangents = zero + w * (one + w * (two + w * three)), velocity * (1 / np.abs(velocity))
+        points, tangents = (
+            zero + w * (one + w * (two + w * three)),
+            velocity * (1 / np.abs(velocity)),
+        )
         return as_vectors(points).reshape(*s.shape, 2), as_vectors(tangents).reshape(*s.shape, 2)
 
     def _curvature(self, s: Array) -> Array:
@@ -131,12 +152,18 @@ def _checked(points: object) -> Array:
     """A read-only copy of `points` (N, 2), if a path can go through them."""
     array: Array = numbers("points", points).copy()
     if array.ndim != 2 or array.shape[1] != 2 or not _MIN_POINTS <= len(array) <= _MAX_POINTS:
-        raise ParameterError("points", points, f"{_MIN_POINTS} to {_MAX_POINTS} points, each x and y in m")
+        raise ParameterError(
+            "points", points, f"{_MIN_POINTS} to {_MAX_POINTS} points, each x and y in m"
+        )
     for i in np.flatnonzero(~(np.abs(array).max(axis=1) <= FARTHEST))[:1].tolist():
         bound = f"at most {FARTHEST:g} m from the origin along either axis"
         raise ParameterError(f"point {i + 1}", array[i].tolist(), bound)
     for i in np.flatnonzero(np.abs(np.diff(as_complex(array))) < _MIN_CHORD)[:1].tolist():
-        raise ParameterError(f"point {i + 2}", array[i + 1].tolist(), f"at least {_MIN_CHORD:g} m from the one before")
+        raise ParameterError(
+            f"point {i + 2}",
+            array[i + 1].tolist(),
+            f"at least {_MIN_CHORD:g} m from the one before",
+        )
     return read_only(array)
 
 
@@ -163,7 +190,9 @@ def _cut(cubics: Complex, path: Complex) -> tuple[Complex, Array, Array]:
         cubics = np.insert(cubics, cut, halves[0::2][cut], axis=0)
         chords, sources = np.insert(chords, cut, chords[cut]), np.insert(sources, cut, sources[cut])
     i = int(sources[np.argmax(too_slow)])
-    bound = f"followed by a smooth path; from it to point {i + 2} the path nearly stops, as at a cusp"
+    bound = (
+        f"followed by a smooth path; from it to point {i + 2} the path nearly stops, as at a cusp"
+    )
     raise ParameterError(f"point {i + 1}", [float(path[i].real), float(path[i].imag)], bound)
 
 
@@ -184,7 +213,9 @@ def _halved(cubics: Complex) -> Complex:
     """Both halves (2n, 4) of each cubic (n, 4), with w from 0 to 1 again."""
     zero, one, two, three = cubics.T / np.array([[1], [2], [4], [8]])
     right = [zero + one + two + three, one + 2 * two + 3 * three, two + 3 * three, three]
-    halves: Complex = np.stack([[zero, one, two, three], right], axis=0).transpose(2, 0, 1).reshape(-1, 4)
+    halves: Complex = (
+        np.stack([[zero, one, two, three], right], axis=0).transpose(2, 0, 1).reshape(-1, 4)
+    )
     return halves
 
 

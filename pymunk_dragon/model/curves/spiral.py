@@ -84,7 +84,9 @@ class Spiral(PackageCurve, kind="spiral"):
 
     def at_radius(self, radius: float) -> float:
         """Coordinate at the distance `radius` m from the centre, m; `radius` is at most 1000 pitches."""
-        return self.at_turn(min(positive("radius", radius, _MAX_TURNS * self.pitch, "m") / self.pitch, _MAX_TURNS))
+        return self.at_turn(
+            min(positive("radius", radius, _MAX_TURNS * self.pitch, "m") / self.pitch, _MAX_TURNS)
+        )
 
     def angle(self, s: ArrayLike) -> Array:
         """Polar angle theta in rad, counted from the centre along the winding (eq. 6); nan beyond the centre."""
@@ -149,7 +151,11 @@ class Spiral(PackageCurve, kind="spiral"):
         ahead *= z
         theta *= self.k
         theta /= radius
-        return coordinate, as_vectors(_turned(theta * z, self.rotation)), as_vectors(_turned(ahead, self.rotation))
+        return (
+            coordinate,
+            as_vectors(_turned(theta * z, self.rotation)),
+            as_vectors(_turned(ahead, self.rotation)),
+        )
 
     def _parameter(self, s: Array) -> Array:
         """Polar angles (...), negative on an inward spiral (eq. 10, 12, 13)."""

@@ -66,9 +66,15 @@ class UTurn(Composite, kind="u-turn"):
     centres: Array = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        inward, radius = Spiral(pitch=self.pitch), finite("radius", self.radius, _MIN_RADIUS, _MAX_RADIUS, "m")
+        inward, radius = (
+            Spiral(pitch=self.pitch),
+            finite("radius", self.radius, _MIN_RADIUS, _MAX_RADIUS, "m"),
+        )
         ratio = finite("ratio", self.ratio, 1 / _MAX_RATIO, _MAX_RATIO, "")
-        s, outward = inward.at_radius(radius), Spiral(pitch=self.pitch, rotation=math.pi, outward=True)
+        s, outward = (
+            inward.at_radius(radius),
+            Spiral(pitch=self.pitch, rotation=math.pi, outward=True),
+        )
         # The polar angle of the entry; the angle between the path there and the straight line to the exit.
         angle = 2 * math.pi * radius / inward.pitch
         aside = math.atan(angle)
@@ -76,8 +82,13 @@ class UTurn(Composite, kind="u-turn"):
         sweeps = np.array([-2 * aside, 2 * aside])
         # Each arc's chord is twice its radius times the sine of half its angle; together they are the diameter.
         radii = radius / math.sin(aside) / (1 + ratio) * np.array([ratio, 1.0])
-        points = np.outer([1.0, (1 - ratio) / (1 + ratio), -1.0], radius * np.array([math.cos(angle), math.sin(angle)]))
-        centres = points[[0, 2]] + np.outer(radii * [-1, 1], [-math.sin(heading), math.cos(heading)])
+        points = np.outer(
+            [1.0, (1 - ratio) / (1 + ratio), -1.0],
+            radius * np.array([math.cos(angle), math.sin(angle)]),
+        )
+        centres = points[[0, 2]] + np.outer(
+            radii * [-1, 1], [-math.sin(heading), math.cos(heading)]
+        )
         begins = heading + math.pi / 2, heading - 2 * aside - math.pi / 2
         arcs = (
             Arc(centre=centre, radius=radius, begin_angle=begin, sweep=sweep)
@@ -85,6 +96,11 @@ class UTurn(Composite, kind="u-turn"):
         )
         self._set(pieces=(Section(inward, -math.inf, s), *arcs, Section(outward, -s, math.inf)))
         super().__post_init__()
-        self._set(pitch=inward.pitch, radius=radius, ratio=ratio, length=2 * aside * radius / math.sin(aside))
+        self._set(
+            pitch=inward.pitch,
+            radius=radius,
+            ratio=ratio,
+            length=2 * aside * radius / math.sin(aside),
+        )
         self._set(sweeps=sweeps, radii=radii, tangent_points=points, centres=centres)
         self._set(turn_width=inward.pitch, circles=((0.0, 0.0, radius),))
