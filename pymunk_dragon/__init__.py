@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 __version__ = "0.1.0"
 
-# Names are loaded when they are first used: NumPy, Pymunk and Pillow together take longer to import than
-# `pymunk-dragon --help` may take to answer. `drawing` does not import its `debug_draw`, which needs Pymunk.
+# Names are loaded when they are first used: NumPy, Pymunk and Pillow together take longer to import
+# than `pymunk-dragon --help` may take to answer. `drawing` does not import its `debug_draw`, which
+# needs Pymunk.
 _NAMES = {
     "collision": "FirstContact Grid NearMiss Separation first_contact scan separation",
     "drawing": "Camera Film render",

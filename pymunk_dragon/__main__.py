@@ -12,8 +12,8 @@ from types import FrameType
 
 from pymunk_dragon._signals import ENDING
 
-# s after a signal in which others are ignored, as a SIGHUP after SIGTERM, while files are removed; and until a signal
-# is repeated, which is more than a finalizer takes.
+# s after a signal in which others are ignored, as a SIGHUP after SIGTERM, while files are removed;
+# and until a signal is repeated, which is more than a finalizer takes.
 _GRACE, _REPETITION = 2.0, 0.05
 
 
@@ -40,20 +40,23 @@ def main() -> None:
         else:
             Timer(_REPETITION, signal.raise_signal, (received.pop()[0],)).start()
 
-    # Signals that nohup, or a shell that starts it in the background, has the program ignore stay ignored.
+    # Signals that nohup, or a shell that starts it in the background, has the program ignore stay
+    # ignored.
     handled = [number for number in ENDING if signal.getsignal(number) != signal.SIG_IGN]
     code: int | None = None  # Until everything is done.
     sys.unraisablehook = unraisable
     try:
         for number in handled:
             signal.signal(number, stop)
-        # The program opens no windows; and matplotlib cannot be imported with an unknown backend in the environment.
+        # The program opens no windows; and matplotlib cannot be imported with an unknown backend in
+        # the environment.
         os.environ["MPLBACKEND"] = "agg"
         from pymunk_dragon.cli import status
 
         code = status()
     except (KeyboardInterrupt, Exception):
-        # Before or after `status`, which prints this itself. Python makes other errors of some interruptions.
+        # Before or after `status`, which prints this itself. Python makes other errors of some
+        # interruptions.
         if not received:
             raise
         with suppress(AttributeError, OSError):  # There may be no stderr, or no space on its disk.

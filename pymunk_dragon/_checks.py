@@ -16,8 +16,8 @@ from pymunk_dragon.errors import ParameterError
 
 C = TypeVar("C", bound=Callable[..., Any])
 T = TypeVar("T")
-# m: coordinates of benches. A thousand times the rim of the largest spiral; products of such coordinates are far from
-# the ends of a double.
+# m: coordinates of benches. A thousand times the rim of the largest spiral; products of such
+# coordinates are far from the ends of a double.
 MAX_COORDINATE = 1e9
 
 

@@ -31,9 +31,9 @@ FEATURES = {
 def library(name: str) -> Any:
     """A module of an extra by its name, as `library("scipy.interpolate")`, also to check that it is installed.
 
-    What the module raises while it is imported is raised from here. Signals wait until it is imported: the
-    initialization of a module in C makes an `ImportError` of an interruption, and may leave a part of the library that
-    cannot be imported again.
+    What the module raises while it is imported is raised from here. Signals wait until it is
+    imported: the initialization of a module in C makes an `ImportError` of an interruption, and may
+    leave a part of the library that cannot be imported again.
     """
     if not is_installed(name):
         raise missing_extra(name)

@@ -39,8 +39,8 @@ def check_destination(path: str | Path, endings: Iterable[str]) -> Path:
 def written_in_place(path: str | Path) -> Iterator[Path]:
     """Yield the name of a draft to write to, which replaces `path` at the end, or is removed after an exception.
 
-    The file keeps its mode, and symbolic links to it stay. Devices and FIFOs are written to. An OSError becomes an
-    OutputError, but for those in `passed_on`.
+    The file keeps its mode, and symbolic links to it stay. Devices and FIFOs are written to. An
+    OSError becomes an OutputError, but for those in `passed_on`.
     """
     destination = Path(path)
     try:
@@ -105,7 +105,8 @@ def number_rows(
 ) -> tuple[list[int], list[tuple[float, ...]]]:
     """Line numbers and rows of the CSV file of numbers that the parameter `name` gives.
 
-    The first line may hold names; empty lines are skipped. `columns` is the content of each column, for messages.
+    The first line may hold names; empty lines are skipped. `columns` is the content of each column,
+    for messages.
     """
     meant = " and ".join(columns)
     rows: dict[int, tuple[float, ...]] = {}

@@ -1,8 +1,8 @@
 """The language of pictures, pages and printed output: English, and translations in files `zh.toml` of the packages.
 
-A text stands in the code in English, as `text("time (s)")`. A package's `zh.toml` has a table `texts` from English to
-Chinese. A text without a translation is shown in English; `make lint` lists it. Code, the programs of lessons, errors
-and help are English.
+A text stands in the code in English, as `text("time (s)")`. A package's `zh.toml` has a table
+`texts` from English to Chinese. A text without a translation is shown in English; `make lint` lists
+it. Code, the programs of lessons, errors and help are English.
 """
 
 from __future__ import annotations

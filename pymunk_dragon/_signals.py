@@ -18,7 +18,8 @@ ENDING = tuple(
 def signals_held(holds: Callable[[], bool] = lambda: True) -> Iterator[Callable[[], None]]:
     """Delay the handlers of signals while `holds()` is true; yields a function that runs the delayed ones.
 
-    They are also run at the end. Where no handler can be set, outside the main thread or in a browser, nothing changes.
+    They are also run at the end. Where no handler can be set, outside the main thread or in a
+    browser, nothing changes.
     """
     handlers: dict[int, Any] = {
         each: handler for each in ENDING if callable(handler := signal.getsignal(each))

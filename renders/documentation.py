@@ -1,9 +1,10 @@
 """Build the documentation, for the Makefile: `python renders/documentation.py DIRECTORY PICTURE=ARGUMENTS...`.
 
-The pages are made of the guides, the docstrings of the package (by pdoc), README and the other texts of the top folder,
-and the commands of the pictures, which the Makefile passes: `march.gif=render renders/march.npz` for that file of
-`renders/`. The pages that `make` has written (lessons, player, report) are copied. All links are relative, and no page
-requests anything from a network.
+The pages are made of the guides, the docstrings of the package (by pdoc), README and the other
+texts of the top folder, and the commands of the pictures, which the Makefile passes:
+`march.gif=render renders/march.npz` for that file of `renders/`. The pages that `make` has written
+(lessons, player, report) are copied. All links are relative, and no page requests anything from a
+network.
 """
 
 from __future__ import annotations
@@ -33,7 +34,8 @@ from pymunk_dragon.lessons._framework.lesson import blocks
 ROOT = Path(__file__).parent.parent
 RENDERS = ROOT / "renders"
 GUIDES = sorted(path.stem for path in RENDERS.glob("guides/*.md"))
-# Texts: the file, its page and the title of the page, in the order of the sidebar; the last two stand at its end.
+# Texts: the file, its page and the title of the page, in the order of the sidebar; the last two
+# stand at its end.
 TEXTS = {
     "README.md": ("index.html", "Start"),
     "README.zh.md": ("index.zh.html", "中文"),
@@ -81,15 +83,16 @@ LISTS = {"names.html": "All names", "gallery.html": "Gallery"}
 PICTURES = (".gif", ".png", ".svg")
 # The address of a file in HTML: `src="renders/march.gif"`, `href="README.md"`.
 ADDRESS = re.compile(r'\b(href|src)="([^"#:]+)')
-# In the code of a text a module, a name or a member of one: `pymunk_dragon.physics`, `March`, `March.at`,
-# `simulate(...)`. Not in a link.
+# In the code of a text a module, a name or a member of one: `pymunk_dragon.physics`, `March`,
+# `March.at`, `simulate(...)`. Not in a link.
 NAME = re.compile(r"(?<!\">)<code>((\w+)(?:\.\w+)*)(\(.*?\))?</code>")
 # A comment for doctest in an example.
 DIRECTIVE = re.compile(r' *<span class="c1"># doctest:[^<]*</span>')
 # A link within a page. pdoc makes some to members that a class has from a class without a page.
 LOCAL = re.compile(r'<a href="#([^"]+)">(.*?)</a>')
-# What pdoc's pages lack for keyboards and screen readers: names of links, headings that skip no level, focus on what
-# scrolls. Each pattern and what stands there instead, without quotation marks, as in the index of the search.
+# What pdoc's pages lack for keyboards and screen readers: names of links, headings that skip no
+# level, focus on what scrolls. Each pattern and what stands there instead, without quotation marks,
+# as in the index of the search.
 ACCESSIBLE = {
     r'(<a class="headerlink" href="#([^"]+)")>': r"\1 aria-label=\2>",
     r"<(/?)h[456]\b": r"<\1h2",
@@ -297,8 +300,8 @@ def anchors(module: doc.Module) -> set[str]:
 def build(directory: Path, commands: Mapping[str, str], copies: Path = RENDERS) -> None:
     """Write the site to `directory`, which is made anew.
 
-    `commands` has the arguments of the program that make each file of `renders/`; `copies` is the folder of the pages
-    that are copied.
+    `commands` has the arguments of the program that make each file of `renders/`; `copies` is the
+    folder of the pages that are copied.
     """
     copied = [name for name in COPIES if (copies / name).exists()]
     titles = page_titles(copied)
@@ -325,8 +328,8 @@ def build(directory: Path, commands: Mapping[str, str], copies: Path = RENDERS) 
             with_links(page, whole.replace('lang="en"', f'lang="{language}"', 1), members),
         )
     everything = {module.modulename: module for module in modules.values()}
-    # There is no setting for annotations: pdoc calls this function of Python's for those of results and fields, and
-    # Python itself for those of parameters.
+    # There is no setting for annotations: pdoc calls this function of Python's for those of results
+    # and fields, and Python itself for those of parameters.
     formats = [
         mock.patch.object(where, "formatannotation", short_annotation) for where in (inspect, doc)
     ]
@@ -339,7 +342,8 @@ def build(directory: Path, commands: Mapping[str, str], copies: Path = RENDERS) 
         # pdoc searches docstrings of modules only.
         everything |= {name: doc.Module(ModuleType(name, texts[f"{name}.html"])) for name in GUIDES}
         for module in everything.values():
-            # Results of a search are shown on pages in other folders, where relative addresses lead nowhere.
+            # Results of a search are shown on pages in other folders, where relative addresses lead
+            # nowhere.
             vars(module)["docstring"] = RELATIVE.sub(lambda found: found[2] or "", module.docstring)
         order = (RENDERS / "templates" / "search_order.js").read_text(encoding="utf-8")
         write(directory / "search.js", f"{render.search_index(everything)}\n{order}")

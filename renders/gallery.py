@@ -1,9 +1,10 @@
 """Make a file of `renders/`, for the Makefile: `python renders/gallery.py TARGET ENDINGS ARGUMENT...`.
 
-Calls `pymunk-dragon ARGUMENT... -o TARGET`, once for each of the comma-separated endings, and writes a rule for make
-with the files of the package that were used, `renders/.commands/NAME.d`: make includes the rule, and makes TARGET again
-if one of these files changes. A picture that equals the old one within a tolerance is not replaced: committed pictures
-do not change if only rounding or a library's compression has changed.
+Calls `pymunk-dragon ARGUMENT... -o TARGET`, once for each of the comma-separated endings, and
+writes a rule for make with the files of the package that were used, `renders/.commands/NAME.d`:
+make includes the rule, and makes TARGET again if one of these files changes. A picture that equals
+the old one within a tolerance is not replaced: committed pictures do not change if only rounding or
+a library's compression has changed.
 """
 
 from __future__ import annotations
@@ -20,10 +21,11 @@ from pymunk_dragon.cli import status
 
 RENDERS = Path("renders")
 PICTURES = (".gif", ".png")
-# Levels of 255: difference of a colour channel that is ignored. Rounding differs between machines at edges of lines.
+# Levels of 255: difference of a colour channel that is ignored. Rounding differs between machines
+# at edges of lines.
 LEVELS = 12
-# Fraction of the pixels that may differ by more than LEVELS: about 4e-6 if all benches are displaced by a micrometre,
-# at least 5e-5 if a digit of the caption differs.
+# Fraction of the pixels that may differ by more than LEVELS: about 4e-6 if all benches are
+# displaced by a micrometre, at least 5e-5 if a digit of the caption differs.
 SHARE = 2e-5
 
 

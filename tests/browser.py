@@ -19,7 +19,8 @@ needs_browser = pytest.mark.skipif(
     CHROMIUM is None, reason="no browser to open a page in: apt-get install chromium"
 )
 
-# Texts, titles and names of elements, without what the reader types, commands, and what a run says of itself.
+# Texts, titles and names of elements, without what the reader types, commands, and what a run says
+# of itself.
 TEXTS = """() => {
   const walk = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
   const texts = [document.title];

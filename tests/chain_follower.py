@@ -1,7 +1,7 @@
 """A chain followed in small steps of its head: the truth about jackknifed benches, slow and simple.
 
-It uses nothing of the package but points and tangents of a curve. Each rear handle is found by Newton's method from
-where it was a step before; where the method fails or jumps, motion has ended.
+It uses nothing of the package but points and tangents of a curve. Each rear handle is found by
+Newton's method from where it was a step before; where the method fails or jumps, motion has ended.
 """
 
 import numpy as np

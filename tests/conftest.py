@@ -22,9 +22,10 @@ from sharing import shared_run
 from pymunk_dragon import Dragon, March, ParameterError, simulate
 from pymunk_dragon.cli import status
 
-# Examples share the machine with whatever else runs there, so none has a time limit of its own. They are the same every
-# time, so that a failure comes from a change; `--hypothesis-profile=explore` draws new ones.
-# A failure is not explained: that traces every line. A worker on Python 3.11 once stood still, probably in it.
+# Examples share the machine with whatever else runs there, so none has a time limit of its own.
+# They are the same every time, so that a failure comes from a change;
+# `--hypothesis-profile=explore` draws new ones. A failure is not explained: that traces every line.
+# A worker on Python 3.11 once stood still, probably in it.
 PHASES = set(hypothesis.Phase) - {hypothesis.Phase.explain}
 hypothesis.settings.register_profile("explore", deadline=None, print_blob=True)
 hypothesis.settings.register_profile("house", deadline=None, derandomize=True, phases=PHASES)
@@ -33,7 +34,8 @@ hypothesis.settings.register_profile(
 )
 hypothesis.settings.load_profile("house")
 
-# A shell that starts the tests in the background has them ignore Ctrl-C, and with them every program that they start.
+# A shell that starts the tests in the background has them ignore Ctrl-C, and with them every
+# program that they start.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # Coverage measures child processes too, writes a file in each, and locks what its tracer shares.

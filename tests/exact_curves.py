@@ -1,6 +1,7 @@
 """Curves in many digits, from their definitions alone: it imports nothing of the package.
 
-Each is a function of arc length that gives x, y, the direction's x and y, and the signed curvature, as mpf.
+Each is a function of arc length that gives x, y, the direction's x and y, and the signed curvature,
+as mpf.
 """
 
 import mpmath as mp
@@ -8,7 +9,8 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 DIGITS = 34
-# m. Steps of the walk back, in which no distance here passes a bench's length and falls below it again.
+# m. Steps of the walk back, in which no distance here passes a bench's length and falls below it
+# again.
 STEP = 0.05
 
 

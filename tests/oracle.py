@@ -1,9 +1,9 @@
 """The march solved anew in many digits, from the formulas of the paper alone: it imports nothing of the package.
 
-The head's angle is the root of the arc length. Each next handle is found by walking outward from the one before in
-small steps of the angle until the straight distance first passes the spacing, and then by shrinking that bracket.
-Velocities are central differences of positions in 50 digits. Nothing here is clever, so that nothing can be wrong in
-the same way as in the package.
+The head's angle is the root of the arc length. Each next handle is found by walking outward from
+the one before in small steps of the angle until the straight distance first passes the spacing, and
+then by shrinking that bracket. Velocities are central differences of positions in 50 digits.
+Nothing here is clever, so that nothing can be wrong in the same way as in the package.
 """
 
 import mpmath as mp
@@ -62,7 +62,8 @@ def solve(time, *, benches, head_spacing, body_spacing, pitch, turns, speed, dif
 def gap(time, pair, sizes):
     """Gap of two benches along the widest of the four axes, in many digits: right where an edge faces the other.
 
-    `sizes` are width, overhang, head_spacing, body_spacing and pitch; the march starts on turn 16 at 1 m/s.
+    `sizes` are width, overhang, head_spacing, body_spacing and pitch; the march starts on turn 16
+    at 1 m/s.
     """
     spacings = [sizes["head_spacing"]] + [sizes["body_spacing"]] * pair[1]
     turned = angles(

@@ -1,15 +1,17 @@
 """The first contact by IPC Toolkit (`ipctk`), a library for continuous collision detection that others wrote in C++.
 
-It is given the corners of all benches at two times, as vertices that edges join, and which benches are neighbours. By
-Tight Inclusion, which is conservative, it says whether edges come nearer to each other than a distance while the
-corners move on straight lines. The true corners leave these in a step of h by at most a h^2 / 8, a being their largest
-acceleration. So a step is clear if no edges come nearer than twice that.
+It is given the corners of all benches at two times, as vertices that edges join, and which benches
+are neighbours. By Tight Inclusion, which is conservative, it says whether edges come nearer to each
+other than a distance while the corners move on straight lines. The true corners leave these in a
+step of h by at most a h^2 / 8, a being their largest acceleration. So a step is clear if no edges
+come nearer than twice that.
 """
 
 import ipctk
 import numpy as np
 
-# Bound on accelerations over the largest second difference of a corner at 2001 times; s: of times this far apart.
+# Bound on accelerations over the largest second difference of a corner at 2001 times; s: of times
+# this far apart.
 SAFETY, DIFFERENCE = 2.0, 1e-3
 # m: where Tight Inclusion ends its divisions. s: longest and shortest step.
 TOLERANCE, LONGEST, SHORTEST = 1e-12, 0.02, 1e-10

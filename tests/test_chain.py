@@ -30,7 +30,8 @@ from pymunk_dragon import (
 )
 from pymunk_dragon.model import chain
 
-# Along the x axis, round and back above it at a height of 2 m, and up: a bench of 3 m stands on three of the lines.
+# Along the x axis, round and back above it at a height of 2 m, and up: a bench of 3 m stands on
+# three of the lines.
 HOOK = Composite(
     [
         Line(start=(-10, 0), stop=(0, 0)),

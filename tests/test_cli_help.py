@@ -145,7 +145,8 @@ def test_program_answers_the_shell():
 
 # Bad input
 
-# Command lines, and words that the message has: the value or name, and what is allowed or was meant.
+# Command lines, and words that the message has: the value or name, and what is allowed or was
+# meant.
 ONE = "sweep --axis pitch=0.5"
 SCENARIOS = {
     "pich.toml": "pich = 0.6\n",

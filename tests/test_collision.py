@@ -75,7 +75,8 @@ def pairs_of_all_kinds(count):
             [0, *(sign * 10.0**k for sign in (-1, 1) for k in range(-15, -5))], len(one)
         )
         add(one, moved(two, (near - found.distance)[:, None] * found.normal))
-    # Parallel, square to each other, and along the axes at whole numbers, where many touch and some are the same.
+    # Parallel, square to each other, and along the axes at whole numbers, where many touch and some
+    # are the same.
     n = 50_000 // part
     for quarter in (rng.uniform(-4, 4, n), np.zeros(n)):
         x, y, length, width = rng.integers(-3, 4, (4, 2, n)) * 1.0
@@ -157,7 +158,8 @@ SQUARE = box(0, 0, 1, 1)
 
 
 def test_separations_are_those_found_by_hand():
-    # An edge that faces a corner gives the edge's own normal; a corner inside an edge has its point halfway in.
+    # An edge that faces a corner gives the edge's own normal; a corner inside an edge has its point
+    # halfway in.
     for name, first, second, distance, normal, point in (
         ("corner to corner", SQUARE, box(2, 3, 4, 4), np.sqrt(5), (5**-0.5, 2 * 5**-0.5), (1.5, 2)),
         ("edge to corner", box(-5, -1, 5, 0), rectangles(2, 2, *RHOMB), 1, (0, 1), (2, 0.5)),

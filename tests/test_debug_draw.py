@@ -90,8 +90,8 @@ def test_every_kind_of_shape_covers_its_area():
             assert abs(covered.sum() - truth.sum()) < 0.3 * area.length, (name, number)
 
 
-# Pixels: the largest error of the mean thickness of a line of tens of pixels. Polygons have whole pixels, and a picture
-# is drawn at twice its size.
+# Pixels: the largest error of the mean thickness of a line of tens of pixels. Polygons have whole
+# pixels, and a picture is drawn at twice its size.
 THICKNESS = 0.25
 
 

@@ -240,7 +240,8 @@ def test_a_tables_way_is_the_integral_of_its_speed():
 @given(tables(), st.lists(st.floats(-2000, 2000), min_size=1))
 def test_a_tables_time_is_the_inverse_of_its_way(table, times):
     found = table.time(table.distance(times))
-    # A way is known to some units of its last place, and where the head is slow it stays there the longer.
+    # A way is known to some units of its last place, and where the head is slow it stays there the
+    # longer.
     allowed = 1e-12 * (1 + np.abs(table.distance(times))) / table.at(times) + 1e-12 * np.abs(times)
     assert np.all(np.abs(found - times) <= allowed)
 

@@ -158,7 +158,8 @@ def test_package_says_that_it_is_typed_and_which_version_it_is():
     assert pymunk_dragon.__version__ == version("pymunk-dragon")
 
 
-# Signals, full disks, closed streams: a documented exit code, at most one line, and whole files only
+# Signals, full disks, closed streams: a documented exit code, at most one line, and whole files
+# only
 
 PROGRAM = [sys.executable, "-m", "pymunk_dragon"]
 
@@ -249,8 +250,8 @@ def test_signal_ends_a_simulation_with_one_line_and_leaves_the_old_file(
     assert path.read_bytes() == b"old"
 
 
-# Code in which a signal raises no KeyboardInterrupt that ends the program: exceptions in hooks and finalizers are only
-# printed, and the initialization of a module in C makes an ImportError of any.
+# Code in which a signal raises no KeyboardInterrupt that ends the program: exceptions in hooks and
+# finalizers are only printed, and the initialization of a module in C makes an ImportError of any.
 UNINTERRUPTIBLE = {
     "fork": "os.register_at_fork(after_in_parent=lambda: signal.raise_signal(signal.SIGINT))",
     "finalizer": """
@@ -334,9 +335,11 @@ def test_full_disk_is_one_line_and_leaves_the_old_file(
     small_run.save(run)
     for arguments, file in commands:
         (tmp_path / file).write_bytes(b"old")
-        # FFmpeg writes all of a short film at its end. Nothing at all can be written by finalizers either.
+        # FFmpeg writes all of a short film at its end. Nothing at all can be written by finalizers
+        # either.
         for limit in (30 if file.endswith("mp4") else 4, 0):
-            # Matplotlib cannot be imported with an unknown backend in the environment; the program chooses its own.
+            # Matplotlib cannot be imported with an unknown backend in the environment; the program
+            # chooses its own.
             words, before = arguments.replace("RUN.npz", str(run)).split(), f"ulimit -f {limit};"
             code, out, err = program(
                 *words, "-o", file, before=before, folder=tmp_path, MPLBACKEND="bogus"

@@ -213,7 +213,8 @@ STUCK = [
     March(Dragon(benches=benches), Spiral(pitch=pitch), turns=turns, speed=speed)
     for benches, pitch, turns, speed in ((3, 0.55, 8, 1.0), (8, 0.9, 5, 0.7))
 ]
-# The hairpin is too tight for a bench of a metre: its rear handle is pushed back, and in the end off the path.
+# The hairpin is too tight for a bench of a metre: its rear handle is pushed back, and in the end
+# off the path.
 JACKKNIFED = Dragon(benches=2, head_spacing=1.0, body_spacing=0.5, overhang=0.05, width=0.05)
 STUCK.append(March(JACKKNIFED, bent(3, 0.45, np.pi, 12)))
 
@@ -311,7 +312,8 @@ def test_nothing_touches_before_the_answer_and_every_near_miss_is_told(march):
         assert gaps(march, [0])[0].min() == 0
         return
     times, apart, pairs = assert_first(march, found, 800, 1e-11)
-    # All smallest gaps below a thirtieth of the width are near misses; other benches repeat what bench 1 did.
+    # All smallest gaps below a thirtieth of the width are near misses; other benches repeat what
+    # bench 1 did.
     near = march.dragon.width / 30
     told = {
         (*miss.benches, k)

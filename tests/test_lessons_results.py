@@ -172,7 +172,8 @@ def test_sat_prints_the_widest_shadow_gap_and_it_is_what_parts_the_benches():
         if widest > 0:
             assert found == pytest.approx(first.distance(second), abs=5.1e-5)
         else:
-            # Moved by as much and a little more it is free in some direction, by a little less in none.
+            # Moved by as much and a little more it is free in some direction, by a little less in
+            # none.
             ways = [(math.cos(math.radians(a)), math.sin(math.radians(a))) for a in range(360)]
             for more, parts in ((1e-4, True), (-1e-4, False)):
                 far = more - found
@@ -253,7 +254,8 @@ def test_each_halving_of_the_steps_leaves_about_a_quarter_of_the_error_and_more_
 
 
 def test_the_groove_keeps_its_part_of_what_would_stop_the_hole():
-    # Velocity that an impulse gives to a hole at (1, 1) of a body of 1 kg and 1 kg m²: of the centre, and by turning.
+    # Velocity that an impulse gives to a hole at (1, 1) of a body of 1 kg and 1 kg m²: of the
+    # centre, and by turning.
     response = np.eye(2) + np.outer([-1, 1], [-1, 1])
     _, kept = np.linalg.solve(response, [-1, 0])
     (kick,) = re.findall(r"GrooveJoint.*?(-[\d.]+) m/s", played("engine").printed)
@@ -321,7 +323,8 @@ def test_each_joint_carries_the_drag_of_all_benches_behind_it():
         alone = sum(1 for bench in range(joint + 1, 25) if bench % 2)
         assert force == pytest.approx(alone * drag, abs=0.051)
     assert set(forces(printed("tension"), "on ice").values()) == {0}
-    # A speed that falls to a half in a second falls at the rate ln 2; in a step the engine takes a little less.
+    # A speed that falls to a half in a second falls at the rate ln 2; in a step the engine takes a
+    # little less.
     continuous = 10 * math.log(2)
     assert numbers(printed("tension")[0]) == pytest.approx([1, continuous, 0.01, drag], abs=5.1e-4)
     said_drag, _, said_sum = said("tension", "Check")[3:6]

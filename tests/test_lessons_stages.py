@@ -244,7 +244,8 @@ def test_velocity_says_how_slow_the_tail_is_and_how_wrong_a_difference(visit):
             assert f"{tail:.3f} mm/s, {1000 - tail:.3f} mm/s slower" in said
             wrong = said.split("apart: ")[1].split()[0].translate(SUPERSCRIPTS).replace("·10", "e")
             assert float(wrong) == pytest.approx(float(f"{error:.1e}"))
-        # From a hundredth to a thousandth of a second along the chart, which shows 10.8 powers of ten.
+        # From a hundredth to a thousandth of a second along the chart, which shows 10.8 powers of
+        # ten.
         width = page.locator("canvas").bounding_box()["width"] - 74
         drag(page, "The time step", -width / 10.8, 0)
         assert "From positions 1 ms apart" in readout(page)
@@ -423,7 +424,8 @@ def test_u_turn_says_how_long_the_arcs_are(visit):
         way = -1.2 * UTurn().tangent_points[0] / 4.5 * scale * (1, -1)
         finger(page, start, start + way)
         assert f"yours {arcs((1 + 1.2 / 4.5) / (1 - 1.2 / 4.5))}." in readout(page)
-        # Handle 1 is pushed back where the second arc is narrower than the head's bench, as at a ratio of 7 to 3.
+        # Handle 1 is pushed back where the second arc is narrower than the head's bench, as at a
+        # ratio of 7 to 3.
         for _ in range(13):
             page.get_by_role("button", name="The point where your arcs meet").press("ArrowLeft")
         march = March(

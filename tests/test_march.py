@@ -202,7 +202,8 @@ def test_impossible_questions_are_refused_by_name(seed_march):
         assert refusal(seed_march.speeds_by_difference, [0], step).name == "step"
 
 
-# Dragons on any curve, of any benches, at any speed: against coordinates found by walking back in many digits
+# Dragons on any curve, of any benches, at any speed: against coordinates found by walking back in
+# many digits
 
 TURN = March(curve=UTurn())
 
@@ -234,7 +235,8 @@ def test_handles_in_the_u_turn_are_where_many_digits_have_them(time):
 def test_the_next_handle_is_the_nearest_along_the_path_that_a_scan_sees():
     cases = [(HAIRPIN, s, 1.5) for s in (9.0, 10.0, 11.0, 11.7, 12.0, 13.0, 14.5)]
     cases += [(DRAWN, s, 1.1) for s in np.linspace(12, DRAWN.end_s, 8)]
-    # Near the centre, from where the distance grows over more than a turn, and where it has its top within the first.
+    # Near the centre, from where the distance grows over more than a turn, and where it has its top
+    # within the first.
     cases += [
         (Spiral(), -s, 0.55 * share)
         for s in (0, 0.05, 0.095, 0.103, 0.3, 40)

@@ -52,7 +52,8 @@ def own(base, **members):
 
 
 METHODS = ("point", "tangent", "curvature", "max_curvature")
-# What a method returns whatever its arguments, in every element of its result, and in a wrong shape.
+# What a method returns whatever its arguments, in every element of its result, and in a wrong
+# shape.
 WRONG = [
     *(lambda self, *arguments, value=value: value for value in (None, "1", [[1.0], [1.0, 2.0]])),
     *(

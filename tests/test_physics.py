@@ -105,8 +105,9 @@ def test_frames_have_the_exact_poses_and_velocities_up_to_the_contact(late_run, 
     np.testing.assert_allclose(late_run.poses[0], exact.poses[0], atol=1e-12)
     np.testing.assert_allclose(late_run.poses[:-1, 0, :2], exact.poses[:-1, 0, :2], atol=1e-12)
     np.testing.assert_allclose(late_run.pose_velocities[:-1], exact.pose_velocities[:-1], atol=2e-4)
-    # The last frame stands inside a substep, and its velocities have no blow in them. On even motion, without
-    # acceleration, the head would be 17 µm beside its pose in the middle of a substep of 20 ms.
+    # The last frame stands inside a substep, and its velocities have no blow in them. On even
+    # motion, without acceleration, the head would be 17 µm beside its pose in the middle of a
+    # substep of 20 ms.
     np.testing.assert_allclose(late_run.pose_velocities[-1], exact.pose_velocities[-1], atol=2e-3)
     assert late_run.drift[-1, 0] < 1e-6
     assert late_run.drift[-1].max() <= late_run.drift[:-1].max()
@@ -306,7 +307,8 @@ def test_reported_depths_are_the_overlaps_of_the_outlines(reported, seed_march):
         assert (first.intersection(moved).area > 0) is overlaps
 
 
-# m: how far the holes of a joint may be apart, and benches may be inside each other, where contacts are resolved.
+# m: how far the holes of a joint may be apart, and benches may be inside each other, where contacts
+# are resolved.
 PILE_UP = 1e-3
 
 
@@ -398,7 +400,8 @@ def test_run_ends_where_the_curve_leaves_the_head_no_place():
     assert run.outcome == "unreachable"
     assert refusal(march.at, after, handles=2, error=UnreachableError).handle == 1
     assert np.all(np.isfinite(run.poses))
-    # Long body benches stop fitting before the head does: the engine plays on, and their drift cannot be known.
+    # Long body benches stop fitting before the head does: the engine plays on, and their drift
+    # cannot be known.
     run = simulate(
         March(Dragon(benches=3, head_spacing=1.0, body_spacing=2.6, width=0.02)), start=430.0
     )

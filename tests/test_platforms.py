@@ -23,7 +23,8 @@ POSIX = {
     "tty",
 }
 
-# Python in a browser imports `threading`, `signal` and `subprocess`, but starts no thread and no process.
+# Python in a browser imports `threading`, `signal` and `subprocess`, but starts no thread and no
+# process.
 BROWSER = """
 import os, signal, subprocess, sys, threading
 

@@ -151,7 +151,8 @@ def test_curve_is_drawn_all_along_within_a_tenth_of_a_millimetre(march, begin, e
     curve = march.curve.point(np.linspace(first, last, 5001)[1:-1])
     allowed = 1.1 * float(march.dragon.widths.min()) / 3000
     assert drawn.distance(points(curve)).max() < allowed
-    # From far away the page takes only every so many points, and counts on the square of their number.
+    # From far away the page takes only every so many points, and counts on the square of their
+    # number.
     rough = LineString([*drawn.coords[:-1:3], drawn.coords[-1]])
     assert rough.distance(points(curve)).max() < allowed * 9
     np.testing.assert_allclose(
@@ -192,7 +193,8 @@ def test_policy_allows_the_pages_own_script_and_style_and_nothing_else(page):
         digest = b64encode(sha256(page.blocks[kind].encode()).digest()).decode()
         expected[f"{kind}-src"] = f"'sha256-{digest}'"
     assert dict(part.split(" ", 1) for part in content.split("; ")) == expected
-    # It stands before everything that it governs, and nothing carries a script, a style or an address.
+    # It stands before everything that it governs, and nothing carries a script, a style or an
+    # address.
     tags = [tag if "http-equiv" not in found else "policy" for tag, found in page.tags]
     assert tags.index("policy") < min(tags.index(tag) for tag in ("link", "style", "script"))
     names = {name for _, found in page.tags for name in found}

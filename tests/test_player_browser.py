@@ -17,7 +17,8 @@ from pymunk_dragon.web.page import DARK
 pytestmark = [pytest.mark.thorough, needs_browser]
 
 LABEL = "</script><img src=http://127.0.0.1:9/picture onerror=alert(1)><script>alert(2)</script>"
-# Half a count of a place, 0.2 micrometres at the usual width, and as much again between two frames, m.
+# Half a count of a place, 0.2 micrometres at the usual width, and as much again between two frames,
+# m.
 RESOLUTION = 1.002 * 0.2e-6
 CONTACT_TIME = 412.47383768
 # Two near misses, and the contact.

@@ -522,7 +522,8 @@ def test_page_gets_units_of_forces_torques_and_energies_in_the_lengths_of_the_sp
         "impulse": "kg px/s",
         "energy": "kg px²/s²",
     }
-    # A quantity of the user's takes the place of one of the same name, and has its unit in its name.
+    # A quantity of the user's takes the place of one of the same name, and has its unit in its
+    # name.
     energy = "kg px²/s²"
     assert about["plots"] == [
         ("Kinetic energy", energy),

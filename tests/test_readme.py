@@ -23,10 +23,11 @@ from pymunk_dragon.cli import command, status
 by_other_document = pytest.mark.parametrize(
     "document", [each for each in DOCUMENTS if each != CHINESE], ids=lambda document: document.name
 )
-# A pile falls otherwise where doubles are rounded otherwise; most of the picture stays as it is, and of what a program
-# of a guide measures, the size.
+# A pile falls otherwise where doubles are rounded otherwise; most of the picture stays as it is,
+# and of what a program of a guide measures, the size.
 PILE_SHARE = MEASURED = 0.3
-# What no run repeats: seconds, and how many times as fast as real time. The engine's errors depend on rounding.
+# What no run repeats: seconds, and how many times as fast as real time. The engine's errors depend
+# on rounding.
 VARIES = re.compile(r"[\d.]+ times as fast|\d+\.\d\d$|drift .*;", re.MULTILINE)
 # mm: 1e-10 m in the documentation.
 EXACT = "0.0000001"

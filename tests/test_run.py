@@ -342,7 +342,8 @@ def test_attributes_come_from_provenance_and_impossible_ones_are_refused(load):
 
 
 def test_sizes_that_a_file_claims_are_bounded(load):
-    # The size of a member stands 22 bytes before its name in the directory at the end of an archive.
+    # The size of a member stands 22 bytes before its name in the directory at the end of an
+    # archive.
     content = bytearray(WHOLE)
     place = content.rindex(b"poses.npy") - 22
     content[place : place + 4] = (600_000_000).to_bytes(4, "little")
@@ -439,7 +440,8 @@ def test_drift_of_the_head_is_that_of_the_first_twelve_benches_without_what_is_u
     assert np.isnan([unknown.head_drift, unknown.max_drift]).all()
 
 
-# The docstring's bound, with the largest fourth derivative of any bench's pose: by finite differences of the model.
+# The docstring's bound, with the largest fourth derivative of any bench's pose: by finite
+# differences of the model.
 def test_poses_between_frames_are_as_near_as_the_docstring_says(seed_march):
     at, h = np.arange(408.5, 411, 0.013), 0.02
     around = [seed_march.at(at + k * h).poses[..., :2] for k in (-2, -1, 0, 1, 2)]

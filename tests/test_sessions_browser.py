@@ -35,7 +35,8 @@ PLACE = """([x, y]) => {
   return [left + px, top + py];
 }"""
 
-# Whether the area of the scene is on the canvas, and neither behind the tools nor behind the buttons of the view.
+# Whether the area of the scene is on the canvas, and neither behind the tools nor behind the
+# buttons of the view.
 IN_SIGHT = """() => {
   const { centre: [x, y], size: [width, height] } = live.scene.field;
   const corners = [[-1, -1], [1, 1]].map(([a, b]) => live.view.toScreen(x + a * width / 2, y + b * height / 2));
@@ -144,7 +145,8 @@ def test_page_shows_the_largest_error_and_its_tool_cuts_the_joint_that_is_clicke
     with shown(browser, march_scene(March(Dragon(benches=60)))) as (session, page):
         pause(page, session)
         errors = decoded(session._session.scene.frame({})).errors
-        # The page draws charts ten times a second, so it may still show the value of an earlier frame.
+        # The page draws charts ten times a second, so it may still show the value of an earlier
+        # frame.
         ending = f"μm, bench {errors.argmax()}"
         text = "document.querySelector('#value-error').textContent"
         is_near = f"Math.abs(parseFloat({text}) - {1e6 * errors.max()}) < 1e-2"
@@ -424,7 +426,8 @@ def test_page_switches_scenes_and_sets_parameters_without_complaints(browser):
             for box in page.query_selector_all("fieldset input[type=checkbox]"):
                 if box.is_visible():
                     box.check()
-            # At once: a scene that is built anew may replace its sliders, and a key without one makes a single step.
+            # At once: a scene that is built anew may replace its sliders, and a key without one
+            # makes a single step.
             page.evaluate("""() => {
               for (const slider of document.querySelectorAll("#parameters input[type=range]")) {
                 slider.stepUp();
@@ -433,7 +436,8 @@ def test_page_switches_scenes_and_sets_parameters_without_complaints(browser):
             }""")
             drawn = page.evaluate("live.drawn")
             wait_until(page, f"live.drawn > {drawn} + 3")
-        # The last scene has no joints. The chart of their forces comes back with those of another one.
+        # The last scene has no joints. The chart of their forces comes back with those of another
+        # one.
         for name, hidden in (("boxes", "true"), ("pendulum", "false")):
             page.select_option("#scene", name)
             wait_until(page, f"document.querySelector('#charts-force').hidden === {hidden}")

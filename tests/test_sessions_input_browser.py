@@ -20,7 +20,8 @@ from pymunk_dragon.sessions.scene import PlaySettings
 
 pytestmark = [pytest.mark.thorough, needs_browser]
 
-# The number of the shape that the page would take at each point, in the order of drawing; -1 for none.
+# The number of the shape that the page would take at each point, in the order of drawing; -1 for
+# none.
 TAKEN = """([points, slip]) => points.map((point) => {
   const found = live.model.bodyAt(point, slip, live.frame, live.poses);
   return found ? live.frame.calls.filter(({ outline }) => outline).indexOf(found.call) : -1;
@@ -114,7 +115,8 @@ def playing(browser, monkeypatch, **options):
 def posted(session, pygame, wanted):
     """Wait until a page has posted so many events that are no motion; their names, and buttons, keys or turns.
 
-    SDL has events of its own in the queue, as of a new audio device or of a window that gains the focus.
+    SDL has events of its own in the queue, as of a new audio device or of a window that gains the
+    focus.
     """
     kinds = (
         pygame.KEYDOWN,

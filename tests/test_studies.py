@@ -62,7 +62,8 @@ def test_two_benches_touch_at_the_smallest_pitch_and_overlap_at_a_smaller_one(an
 def test_larger_pitches_are_free_and_smaller_ones_are_not(answer):
     for pitch in (0.31, 0.36, 0.42, 0.445, 0.4502, 0.45033, 0.45034, 0.4505, 0.46, 0.52, 0.6, 0.9):
         assert (hit_at(pitch).status == "clear") == (pitch > answer.pitch), pitch
-    # The head's corners reach outwards, the middle of its edge inwards: at the largest pitch no two turns meet.
+    # The head's corners reach outwards, the middle of its edge inwards: at the largest pitch no two
+    # turns meet.
     middle = np.sqrt(4.5**2 - 1.43**2)
     largest, least = answer.larger_pitches[0], answer.larger_pitches[-1]
     assert largest > np.hypot(1.43 + 0.275, middle + 0.15) - (middle - 0.15)
@@ -87,7 +88,8 @@ def test_other_dragons_and_circles_touch_at_their_smallest_pitch(answer):
         (Dragon(body_spacing=1.7), 4.5, 0),
         (Dragon(), 3.0, 0),
         (wide, 4.5, 3),
-        # Benches 0 and 2 are 0.15 m apart on a line, half the width: no pitch makes their gap larger.
+        # Benches 0 and 2 are 0.15 m apart on a line, half the width: no pitch makes their gap
+        # larger.
         (Dragon(benches=60, body_spacing=0.7), 4.5, 0),
     ):
         found = min_pitch(dragon, radius=radius)

@@ -329,7 +329,8 @@ def test_map_has_a_cell_for_each_point_and_lines_where_other_benches_touch():
     [mesh], [reference] = artists(drawing, "values"), artists(drawing, "reference")
     expected = [[x * y if x < 0.55 else np.nan for x in (0.1, 0.2, 0.3, 0.6)] for y in (1, 2, 3)]
     np.testing.assert_allclose(np.ma.filled(mesh.get_array(), np.nan), expected)
-    # Benches 9 at (0.2, 3), (0.3, 2) and (0.3, 3), benches 8 at smaller products, and none at x = 0.6.
+    # Benches 9 at (0.2, 3), (0.3, 2) and (0.3, 3), benches 8 at smaller products, and none at x =
+    # 0.6.
     lines = [
         segment.ravel() for lines in artists(drawing, "jumps") for segment in lines.get_segments()
     ]
@@ -369,7 +370,8 @@ def test_odd_data_are_drawn_twice_the_same(tmp_path):
         assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
 
 
-# Workers, schedulers and programs that are killed, or interrupted: one line, no process left, no finished point again
+# Workers, schedulers and programs that are killed, or interrupted: one line, no process left, no
+# finished point again
 
 # A sweep of twelve points of which four end, and its table.
 SWEEP = [

@@ -177,7 +177,8 @@ def test_nobody_is_faster_however_long_one_looks(limit):
 
 
 def test_other_dragons_and_turns_are_as_fast_as_a_scan_sees():
-    # Where the head bench is no longer than the others, those on the way out add to the speed behind them.
+    # Where the head bench is no longer than the others, those on the way out add to the speed
+    # behind them.
     last_is_fastest = Dragon(benches=25, head_spacing=1.65)
     for dragon, sizes in (
         (last_is_fastest, {}),

@@ -98,7 +98,8 @@ wanted |= {known.summary for known in (*STUDIES.values(), *QUANTITIES.values())}
 wanted |= {kind.shows for kind in FIGURES.values()}
 wanted = wanted.union(*(lesson.options.get("axes", "").split("|") for lesson in LESSONS.values()))
 wanted -= {"", "x (m)", "y (m)"}
-# Texts that are looked up by a variable: other strings of the code, and names of columns and parameters.
+# Texts that are looked up by a variable: other strings of the code, and names of columns and
+# parameters.
 names = {name for quantity in QUANTITIES.values() for name in quantity.parameters}.union(
     *map(strings, trees)
 )

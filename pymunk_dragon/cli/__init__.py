@@ -1,10 +1,11 @@
 """The command line.
 
 Every command but `report` and `demo` takes the same dragon and curve, as flags or as a file
-(`pymunk_dragon.model.scenario`). Lists are `0,60,120` or `0:300:1`, with both ends. `-o FILE` writes a file, whose
-ending chooses the format. `--json` prints one JSON object on stdout and nothing else there; progress and messages go
-to stderr. `--lang zh`, or `PYMUNK_DRAGON_LANG=zh` in the environment, chooses Chinese for results, pictures, pages and
-lessons; help and errors are English.
+(`pymunk_dragon.model.scenario`). Lists are `0,60,120` or `0:300:1`, with both ends. `-o FILE`
+writes a file, whose ending chooses the format. `--json` prints one JSON object on stdout and
+nothing else there; progress and messages go to stderr. `--lang zh`, or `PYMUNK_DRAGON_LANG=zh` in
+the environment, chooses Chinese for results, pictures, pages and lessons; help and errors are
+English.
 
 | exit code | meaning |
 | --- | --- |
@@ -13,9 +14,10 @@ lessons; help and errors are English.
 | 2 | bad input: one line names the flag, the value and what is allowed |
 | 130, 143, 129 | interrupted by Ctrl-C, SIGTERM or SIGHUP |
 
-The shell completes commands and flags after `eval "$(_PYMUNK_DRAGON_COMPLETE=bash_source pymunk-dragon)"` in
-`~/.bashrc`, the same with `zsh_source` in `~/.zshrc`, or `_PYMUNK_DRAGON_COMPLETE=fish_source pymunk-dragon | source`
-in `~/.config/fish/completions/pymunk-dragon.fish`.
+The shell completes commands and flags after
+`eval "$(_PYMUNK_DRAGON_COMPLETE=bash_source pymunk-dragon)"` in `~/.bashrc`, the same with
+`zsh_source` in `~/.zshrc`, or `_PYMUNK_DRAGON_COMPLETE=fish_source pymunk-dragon | source` in
+`~/.config/fish/completions/pymunk-dragon.fish`.
 """
 
 from __future__ import annotations
@@ -145,7 +147,8 @@ def _open_streams() -> None:
     """Replace missing standard streams by the null device, and have stdout escape what it cannot encode."""
     for name, mode in (("stdout", "r"), ("stderr", "w")):
         if getattr(sys, name) is None:
-            # stdout is opened for reading, so that writing to it still fails; errors on stderr are ignored.
+            # stdout is opened for reading, so that writing to it still fails; errors on stderr are
+            # ignored.
             setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115  # Open until the end.
     if isinstance(sys.stdout, TextIOWrapper) and sys.stdout.errors == "strict":
         sys.stdout.reconfigure(errors="backslashreplace")

@@ -36,8 +36,8 @@ from pymunk_dragon.model.march import March
 def contact(method: str, output: str | None, **choices: Any) -> None:
     """When benches that are not neighbours first touch, and where.
 
-    The exact method certifies that no benches touched before, however briefly. The grid is the method of the paper:
-    samples at equal time steps, and bisection. The engine is Pymunk.
+    The exact method certifies that no benches touched before, however briefly. The grid is the
+    method of the paper: samples at equal time steps, and bisection. The engine is Pymunk.
     """
     settings = {name: value for name, value in choices.items() if value is not None}
     if "step" in settings and method != "grid":

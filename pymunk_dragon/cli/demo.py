@@ -39,7 +39,8 @@ def demo(
 ) -> None:
     """Play a lesson.
 
-    Without a name, list them. Each has a question, a guess, an experiment, the answer and a number to check.
+    Without a name, list them. Each has a question, a guess, an experiment, the answer and a number
+    to check.
     """
     lessons = list(LESSONS.values()) if name is None else [LESSONS[name]]
     _refuse_combinations(name, {*flags_given("save", "output", "live", "json", *address)})

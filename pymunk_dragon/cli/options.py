@@ -32,7 +32,8 @@ def _speed_or_file(value: str) -> float | str:
         return value
 
 
-# Type, placeholder and help of each option of a scenario but those of curves; its flag is the name with hyphens.
+# Type, placeholder and help of each option of a scenario but those of curves; its flag is the name
+# with hyphens.
 SCENARIO_OPTIONS: dict[str, tuple[Any, str, str]] = {
     "benches": (int, "N", "Number of benches.  [223]"),
     "head_spacing": (float, "M", "Distance between the head's holes, m.  [2.86]"),
@@ -51,7 +52,8 @@ SCENARIO_OPTIONS: dict[str, tuple[Any, str, str]] = {
 class _Command(click.Command):
     """A command with the option --lang, whose errors name flags instead of the parameters that get their values.
 
-    Its help has the options of a scenario last, and below them `examples`: arguments of the command.
+    Its help has the options of a scenario last, and below them `examples`: arguments of the
+    command.
     """
 
     def __init__(self, *arguments: Any, examples: Sequence[str], **others: Any) -> None:
@@ -254,7 +256,8 @@ def number_list(name: str, given: str) -> list[float]:
     numbers: list[float] = []
     try:
         for part in given.split(","):
-            # Decimal numbers, as they are written: the second after 0.2 in steps of 0.1 is 0.4 and not 0.4 + 6e-17.
+            # Decimal numbers, as they are written: the second after 0.2 in steps of 0.1 is 0.4 and
+            # not 0.4 + 6e-17.
             first, *others = map(Decimal, part.split(":"))
             last, step = others or (first, Decimal(1))
             steps = (last - first) / step

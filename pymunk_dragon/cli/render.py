@@ -94,7 +94,8 @@ def _pixels(given: str) -> int | tuple[int, ...]:
 def render(run_files: tuple[str, ...], output: str | None, exact: bool, **choices: Any) -> None:
     """Film a run, several side by side, or an exact march.
 
-    Without a run, the exact march of the options is filmed. The ending of the file chooses the format.
+    Without a run, the exact march of the options is filmed. The ending of the file chooses the
+    format.
     """
     name = Path(run_files[0]).stem if run_files else "march"
     path = check_destination(

@@ -49,8 +49,9 @@ def _options() -> Iterator[Callable[[F], F]]:
 def study(name: str | None, output: str | None, **options: float | bool | None) -> None:
     """Run a study of many marches.
 
-    Without a name, list the studies. A study uses the values of a scenario file that are its parameters, and ignores
-    the others, as the pitch where it is the result. The radius is that of the circle to which the head marches.
+    Without a name, list the studies. A study uses the values of a scenario file that are its
+    parameters, and ignores the others, as the pitch where it is the result. The radius is that of
+    the circle to which the head marches.
     """
     if name is None:
         return print_list("studies", {each.name: each.summary for each in STUDIES.values()})

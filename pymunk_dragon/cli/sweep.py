@@ -51,8 +51,9 @@ _OUTPUT = "File to write: .csv, or .png, .svg or .pdf for a picture. May be repe
 def sweep(axis: tuple[str, ...], output: tuple[str, ...], **settings: Any) -> None:
     """Compute a quantity at many values of parameters, in parallel.
 
-    Without -o the table is printed as CSV. Finished points are kept beside the first file, FILE.partial, from which
-    --resume goes on. The other options choose the reference dragon, which a picture marks.
+    Without -o the table is printed as CSV. Finished points are kept beside the first file,
+    FILE.partial, from which --resume goes on. The other options choose the reference dragon, which
+    a picture marks.
     """
     # What Dask logs of a lost scheduler; the error is one line.
     logging.disable()

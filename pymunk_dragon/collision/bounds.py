@@ -1,27 +1,32 @@
 """Bounds on the motion of benches within a time interval, from their state at its midpoint.
 
-On a given path, the pose of a bench is a function of the arc-length coordinate s of its front handle; `model/chain.py`
-has the notation, the velocity ratio rho, the angular rate omega and their derivatives.
+On a given path, the pose of a bench is a function of the arc-length coordinate s of its front
+handle; `model/chain.py` has the notation, the velocity ratio rho, the angular rate omega and their
+derivatives.
 
-Bounds on the angles and curvatures give bounds on these quantities, and on the second derivative of every corner at a
-distance q from the front handle: kappa + q (domega/ds + omega^2). Taylor's theorem then bounds the displacement. The
-bounds hold for either direction of motion: `Continuation.ranges` bounds the range of s also if the handle reverses.
+Bounds on the angles and curvatures give bounds on these quantities, and on the second derivative of
+every corner at a distance q from the front handle: kappa + q (domega/ds + omega^2). Taylor's
+theorem then bounds the displacement. The bounds hold for either direction of motion:
+`Continuation.ranges` bounds the range of s also if the handle reverses.
 
-Rounding. The error of a point of the curve is at most 8 last digits u of the largest coordinate, in space, along the
-path or along one of its pieces. The tests measure this for the package's curves; `Curve.point` requires it of others.
-So the computed coordinates satisfy |F| <= h, where F = (|P(s) - P(r)|^2 - L^2) / (2 L) and h is the largest |F| of the
-computed points plus 18 u: 8 u for each point, and 2 u for the distance.
+Rounding. The error of a point of the curve is at most 8 last digits u of the largest coordinate, in
+space, along the path or along one of its pieces. The tests measure this for the package's curves;
+`Curve.point` requires it of others. So the computed coordinates satisfy |F| <= h, where F = (|P(s)
+- P(r)|^2 - L^2) / (2 L) and h is the largest |F| of the computed points plus 18 u: 8 u for each
+point, and 2 u for the distance.
 
-The exact coordinates are reached if F goes to 0 in proportion to 1 - tau, with tau from 0 to 1. While each coordinate
-stays within E of its computed value, cos alpha and cos beta stay within (2 / L + kappa) E of theirs; half as much again
-covers the rounded length of the bench. Where this is at most `_SLACK`, the rates of the front and rear handle satisfy
+The exact coordinates are reached if F goes to 0 in proportion to 1 - tau, with tau from 0 to 1.
+While each coordinate stays within E of its computed value, cos alpha and cos beta stay within (2 /
+L + kappa) E of theirs; half as much again covers the rounded length of the bench. Where this is at
+most `_SLACK`, the rates of the front and rear handle satisfy
 
     |dr/dtau| <= ((|cos alpha| + _SLACK) |ds/dtau| + h) / (|cos beta| - _SLACK).
 
-E is the largest bound that this recursion gives along the chain, beginning with h for the head. So the coordinates
-never leave their range of E. Where E is too large for `_SLACK`, the error is unknown. A corner at the distance q from
-its front handle has an error of at most (1 + 2 q / L) E. A gap depends on two benches, and each bound on the
-displacement of a bench on two coordinates with an error of 2 E: the sum is 6 (1 + 2 q / L) E.
+E is the largest bound that this recursion gives along the chain, beginning with h for the head. So
+the coordinates never leave their range of E. Where E is too large for `_SLACK`, the error is
+unknown. A corner at the distance q from its front handle has an error of at most (1 + 2 q / L) E. A
+gap depends on two benches, and each bound on the displacement of a bench on two coordinates with an
+error of 2 E: the sum is 6 (1 + 2 q / L) E.
 """
 
 from __future__ import annotations
@@ -38,9 +43,11 @@ from pymunk_dragon.model import chain
 from pymunk_dragon.model.chain import ChainMotion, RateBounds
 from pymunk_dragon.model.march import March
 
-# Error of a bench's equation in last digits of the largest coordinate: 8 for each point, 2 for the distance.
+# Error of a bench's equation in last digits of the largest coordinate: 8 for each point, 2 for the
+# distance.
 _ROUNDED = 18
-# Change of the cosines of a bench's angles that rounding may cause; checked against the bound on rounding.
+# Change of the cosines of a bench's angles that rounding may cause; checked against the bound on
+# rounding.
 _SLACK = 1e-5
 # m. Rounding error of gaps where the proof does not hold.
 UNPROVEN_ROUNDING = 1e-4
@@ -79,7 +86,8 @@ class Intervals(NamedTuple):
         index = np.arange(2 * parts + 1)
         shares = index / (2 * parts)
         times = (1 - shares) * self.begins[chosen, None] + shares * self.ends[chosen, None]
-        # The ends of the parts have even numbers; those at the ends and the midpoint of the interval are known.
+        # The ends of the parts have even numbers; those at the ends and the midpoint of the
+        # interval are known.
         new = index[(index % parts > 0) | (index % 2 > 0)]
         shape = len(chosen), new.size, handles
         motion = march.motion(times[:, new], handles).each(lambda part: part.reshape(shape))
@@ -99,9 +107,9 @@ class Intervals(NamedTuple):
 class MotionBounds:
     """Poses of the foremost benches at the midpoints of T intervals, and bounds on their motion within them.
 
-    `travel` (T, H) bounds the handles' distance along the path from their coordinates at the midpoint, m. `rounding`
-    (T,) bounds the rounding error of gaps and of the bounds on them, m; where `proven` (T,) is false it is
-    `UNPROVEN_ROUNDING`.
+    `travel` (T, H) bounds the handles' distance along the path from their coordinates at the
+    midpoint, m. `rounding` (T,) bounds the rounding error of gaps and of the bounds on them, m;
+    where `proven` (T,) is false it is `UNPROVEN_ROUNDING`.
     """
 
     def __init__(self, march: March, intervals: Intervals) -> None:
@@ -114,7 +122,8 @@ class MotionBounds:
         )
         # Angular rates (T, N) at the midpoint, rad/m.
         self._omega = chain.angular_rates(self._front_angles, self._rear_angles, self._spacings)
-        # Coordinates near zero are differences of larger ones: the head's at the start, and the distance travelled.
+        # Coordinates near zero are differences of larger ones: the head's at the start, and the
+        # distance travelled.
         coordinates = (
             intervals.first_s[:, [0, -1]],
             march.head_start,
@@ -159,9 +168,10 @@ class MotionBounds:
     def _bounds(self, middle_s: Array, travel: Array) -> tuple[Flags, RateBounds]:
         """Where bounds are known, and the bounds, (T, N), while front handles move by at most `travel` to either side.
 
-        If the path is less curved than a circle with the bench as its diameter, and the rear handle is less than half
-        that circle back, both angles are at most those on a circle of the path's largest curvature with the bench as
-        its chord. Near that limit these bounds are too wide, and the angles are bounded from their midpoint values.
+        If the path is less curved than a circle with the bench as its diameter, and the rear handle
+        is less than half that circle back, both angles are at most those on a circle of the path's
+        largest curvature with the bench as its chord. Near that limit these bounds are too wide,
+        and the angles are bounded from their midpoint values.
         """
         curvature, spacing = self._curvature, self._spacings
         sine = curvature * spacing / 2
@@ -184,8 +194,9 @@ class MotionBounds:
     def smallest_gaps(self, rows: Indices, pairs: Indices, normals: Array) -> Array:
         """Lower bounds (P,) in m on the gaps of `pairs` anywhere in the intervals `rows`, along `normals` (P, 2).
 
-        The benches are treated as independent: the bound is the distance along the normal between the foremost corner
-        of the first bench and the rearmost of the second, less both displacement bounds.
+        The benches are treated as independent: the bound is the distance along the normal between
+        the foremost corner of the first bench and the rearmost of the second, less both
+        displacement bounds.
         """
         farthest = []
         with np.errstate(over="ignore", invalid="ignore"):
@@ -203,8 +214,8 @@ class MotionBounds:
     def smallest_gaps_together(self, rows: Indices, pairs: Indices, normals: Array) -> Array:
         """The same from the relative motion of the two benches; tighter where they move and rotate alike.
 
-        The normal rotates with the bench `own`, the one whose edge is perpendicular to it. So the corners of that bench
-        have constant projections, and only those of the other bench move.
+        The normal rotates with the bench `own`, the one whose edge is perpendicular to it. So the
+        corners of that bench have constant projections, and only those of the other bench move.
         """
         first, second = pairs.T
         directions = as_complex(normals)
@@ -216,7 +227,8 @@ class MotionBounds:
         travel = self.travel[rows, first][:, None]
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             heights, speeds, fastest, second = self._corners(rows, other, directions)
-            # All derivatives are by the coordinate of the first bench's front handle, which drives both.
+            # All derivatives are by the coordinate of the first bench's front handle, which drives
+            # both.
             ratio, most, change = self._velocity_ratios(rows, first, own)
             other_ratio, other_most, other_change = self._velocity_ratios(rows, first, other)
             omega, omega_change = (
@@ -286,8 +298,8 @@ class MotionBounds:
     ) -> tuple[Array, Array, Array, Array]:
         """Projections of the corners of `benches` (P,) on `directions` (P,), by the coordinate s of the front handle.
 
-        At the midpoint the projections, m, and their derivatives; in the whole interval bounds on the derivative in any
-        direction and on the second derivative, 1/m; each (P, 4).
+        At the midpoint the projections, m, and their derivatives; in the whole interval bounds on
+        the derivative in any direction and on the second derivative, 1/m; each (P, 4).
         """
         facing = directions.conj()[:, None]
         front = self._points[rows, benches][:, None]
@@ -307,8 +319,9 @@ class MotionBounds:
     def candidates(self, near: float, start_s: Array) -> tuple[Indices, Indices]:
         """Intervals (P,) and pairs (P, 2) of benches that may come within `near` m in them, without neighbours.
 
-        Circles about the benches that contain all their motion rule the others out. Of the pairs without the benches 0
-        and 1 only those with s_i < s_{i-1}(start), the coordinates `start_s` (H,); see `first_contact.py`.
+        Circles about the benches that contain all their motion rule the others out. Of the pairs
+        without the benches 0 and 1 only those with s_i < s_{i-1}(start), the coordinates `start_s`
+        (H,); see `first_contact.py`.
         """
         middles = (self._points[:, :-1] + self._points[:, 1:]) / 2
         own = np.abs(self._corner_points[0, :, 0] - middles[0])
@@ -351,10 +364,11 @@ def _followed_rates(
 ) -> tuple[Flags, RateBounds]:
     """Where bounds are known, and the bounds, on any path from the angles at the midpoint.
 
-    The angles are assumed to change by at most some slack. If the rates that follow change them by less over the whole
-    travel, the assumption holds.
+    The angles are assumed to change by at most some slack. If the rates that follow change them by
+    less over the whole travel, the assumption holds.
     """
-    # A bench that is pushed back has the same sine, and the same cosine up to its sign, as one that is pulled.
+    # A bench that is pushed back has the same sine, and the same cosine up to its sign, as one that
+    # is pulled.
     front, rear = np.abs(np.angle(front_turn)), np.abs(np.angle(rear_turn))
     front = np.minimum(front, np.pi - front)
     ratio = np.cos(front) / np.cos(rear)

@@ -1,19 +1,22 @@
 """First contact in continuous time. Bounds on the motion (`bounds.py`) prove that there is no earlier contact.
 
-The package's docstring has the method. The search uses the head's distance as its time (a march at 1 m/s).
+The package's docstring has the method. The search uses the head's distance as its time (a march at
+1 m/s).
 
-If all benches behind the head have the same size, few pairs need tests. Let s_i(t) be the arc-length coordinate of
-handle i. The rear handle of bench i is at s_{i+1} = g(s_i), with one function g for all benches behind the head
-(`model/continuation.py`; checked by `Continuation.is_one_function`). So the poses of benches i and j > i depend on s_i
-only, and benches i - 1 and j - 1 have the same two poses whenever s_{i-1} has the same value, if i >= 2.
+If all benches behind the head have the same size, few pairs need tests. Let s_i(t) be the
+arc-length coordinate of handle i. The rear handle of bench i is at s_{i+1} = g(s_i), with one
+function g for all benches behind the head (`model/continuation.py`; checked by
+`Continuation.is_one_function`). So the poses of benches i and j > i depend on s_i only, and benches
+i - 1 and j - 1 have the same two poses whenever s_{i-1} has the same value, if i >= 2.
 
-Claim: at the time t of a first contact some touching pair (i, j) has i <= 1 or s_i(t) < s_{i-1}(start). Proof: assume
-the contrary and take a touching pair, so i >= 2 and s_i(t) >= s_{i-1}(start). As s_i(t) < s_{i-1}(t) and s_{i-1} is
-continuous, s_{i-1} had the value s_i(t) at some time between the start and t, before t. Benches i - 1 and j - 1 touched
-at that time, which is earlier than the first contact: a contradiction. The proof does not need handles to move forward;
-they do not where a long head bench pushes the chain back. So pairs with i <= 1 are tested at all times, and all other
-pairs in every interval in which s_i may be below s_{i-1}(start). If benches differ in size, or follow different
-functions g, all pairs are tested at all times.
+Claim: at the time t of a first contact some touching pair (i, j) has i <= 1 or s_i(t) <
+s_{i-1}(start). Proof: assume the contrary and take a touching pair, so i >= 2 and s_i(t) >=
+s_{i-1}(start). As s_i(t) < s_{i-1}(t) and s_{i-1} is continuous, s_{i-1} had the value s_i(t) at
+some time between the start and t, before t. Benches i - 1 and j - 1 touched at that time, which is
+earlier than the first contact: a contradiction. The proof does not need handles to move forward;
+they do not where a long head bench pushes the chain back. So pairs with i <= 1 are tested at all
+times, and all other pairs in every interval in which s_i may be below s_{i-1}(start). If benches
+differ in size, or follow different functions g, all pairs are tested at all times.
 """
 
 from __future__ import annotations
@@ -33,44 +36,51 @@ from pymunk_dragon.model.march import March, checked_times
 
 __all__ = ["first_contact"]
 
-# The three tolerances. An interval no longer than this, in m of the head's distance or in last digits of it, is decided
-# by the state at its midpoint: coordinates are no more exact.
+# The three tolerances. An interval no longer than this, in m of the head's distance or in last
+# digits of it, is decided by the state at its midpoint: coordinates are no more exact.
 _RESOLUTION, _LAST_DIGITS = 1e-12, 4
-# m. A gap that may be this far below zero, besides rounding, counts as open: coordinates are hardly more exact.
+# m. A gap that may be this far below zero, besides rounding, counts as open: coordinates are hardly
+# more exact.
 _GAP_TOLERANCE = 8e-12
 # m. The same where the work exceeds its budget; it grows with the square of the excess.
 _LIMITED_TOLERANCE = 2.5e-7
 
-# The budget of work, in bench poses computed for all intervals of one length, of which a pair test costs 20: it takes a
-# few seconds, and division exceeds it where a gap stays near zero for long.
+# The budget of work, in bench poses computed for all intervals of one length, of which a pair test
+# costs 20: it takes a few seconds, and division exceeds it where a gap stays near zero for long.
 _WORK_LIMIT, _PAIR_WORK = 2_000_000, 20
-# A batch has a share of the budget by its duration, but at least this share, because the last batch before a contact
-# may be short, and at least so many times its first work in short intervals.
+# A batch has a share of the budget by its duration, but at least this share, because the last batch
+# before a contact may be short, and at least so many times its first work in short intervals.
 _MIN_SHARE, _WORK_GROWTH = 0.05, 8
 
-# Lengths of the first intervals, in shortest spacings; shorter while all pairs are tested, because each pair is tested
-# again in all parts. Other values only change the number of divisions.
+# Lengths of the first intervals, in shortest spacings; shorter while all pairs are tested, because
+# each pair is tested again in all parts. Other values only change the number of divisions.
 _INTERVAL, _ALL_PAIRS_INTERVAL = 1.2, 0.3
-# Fewest and most intervals evaluated together, otherwise half of those that are left: many at first, and few where a
-# march ends, because an inward one ends soon after its contact.
+# Fewest and most intervals evaluated together, otherwise half of those that are left: many at
+# first, and few where a march ends, because an inward one ends soon after its contact.
 _FEWEST_INTERVALS, _MOST_INTERVALS = 16, 128
-# Intervals that are not cleared are divided into so many parts that there are about as many pairs to test as this, for
-# NumPy's overhead per call dominates with fewer; and bounds on the number of parts.
+# Intervals that are not cleared are divided into so many parts that there are about as many pairs
+# to test as this, for NumPy's overhead per call dominates with fewer; and bounds on the number of
+# parts.
 _PAIRS, _FEWEST_PARTS, _MOST_PARTS = 200, 2, 256
 # Points per pass in the search for the last time at which the chain has a state.
 _LAST_POINTS = 33
 
-# A local minimum of a gap below this share of the narrowest bench's width is a near miss: 1 cm at the paper's 0.3 m.
+# A local minimum of a gap below this share of the narrowest bench's width is a near miss: 1 cm at
+# the paper's 0.3 m.
 _NEAR_MISS = 1 / 30
-# Length of intervals in which near misses are sampled, in widths: a local minimum lasts about one width.
+# Length of intervals in which near misses are sampled, in widths: a local minimum lasts about one
+# width.
 _NEAR_MISS_INTERVAL = 0.4
-# Points per bracket in the search for a local minimum, and passes: each pass narrows the bracket eightfold.
+# Points per bracket in the search for a local minimum, and passes: each pass narrows the bracket
+# eightfold.
 _MINIMUM_POINTS, _MINIMUM_PASSES = 17, 7
 # Handles placed together in that search: 20 MB of corners.
 _MINIMUM_HANDLES = 300_000
-# m of the head's distance, and share of the bracket: so close to its end, the minimum lies outside the bracket.
+# m of the head's distance, and share of the bracket: so close to its end, the minimum lies outside
+# the bracket.
 _BRACKET_END, _BRACKET_END_SHARE = 1e-9, 1e-6
-# Share of the sum of their lengths: centres of adjacent intervals are half of it apart, but for rounding.
+# Share of the sum of their lengths: centres of adjacent intervals are half of it apart, but for
+# rounding.
 _ADJACENT = 0.51
 
 
@@ -95,9 +105,9 @@ def first_contact(
     Returns
     -------
     FirstContact
-        The time is accurate to 1e-11 s where the gap closes at centimetres per second, as in the paper's march, and in
-        general to the time in which the gap closes by `resolution`. Benches that graze each other less deeply than
-        that count as apart.
+        The time is accurate to 1e-11 s where the gap closes at centimetres per second, as in the
+        paper's march, and in general to the time in which the gap closes by `resolution`. Benches
+        that graze each other less deeply than that count as apart.
 
     Raises
     ------
@@ -167,7 +177,8 @@ class _Search:
         for times in self._batches():
             last = self._clear(times)
             if last < times[-1] and self._hit == np.inf:
-                # The chain loses its state in the interval after `last`, which is cleared up to the last state.
+                # The chain loses its state in the interval after `last`, which is cleared up to the
+                # last state.
                 end = _last_reachable(march, last, float(times[times > last][0]))
                 last = self._clear(np.array([last, end])) if end > last else last
             if self._hit < np.inf:
@@ -248,15 +259,17 @@ class _Search:
         """Clear `pairs` (P, 2) in the intervals `rows` (P,) and in parts of these, or find their first contact."""
         sampled, limit = np.zeros(rows.size, dtype=bool), 0.0
         while rows.size:
-            # This loop ends when each pair is open in each interval that begins before the earliest contact found.
+            # This loop ends when each pair is open in each interval that begins before the earliest
+            # contact found.
             middles = (intervals.begins[rows] + intervals.ends[rows]) / 2
             length = float(intervals.ends[0] - intervals.begins[0])
             found = bounds.separations(rows, pairs)
             samples = int(np.count_nonzero(np.bincount(rows)))
             self._note_contact(middles, pairs, found.distance, samples)
             if length > self._near_miss_interval:
-                # A long interval: gaps that stay wider than a near miss are open. The bound for two benches that move
-                # independently is faster, and the bound for their relative motion clears some of the rest.
+                # A long interval: gaps that stay wider than a near miss are open. The bound for two
+                # benches that move independently is faster, and the bound for their relative motion
+                # clears some of the rest.
                 gaps = bounds.smallest_gaps(rows, pairs, found.normal)
                 rest = ~(gaps > self._near)
                 gaps[rest] = bounds.smallest_gaps_together(
@@ -264,11 +277,13 @@ class _Search:
                 )
                 open_ = gaps > self._near
             else:
-                # A short interval: the bound by relative motion needs the proof for rounding, the bound by travel not.
+                # A short interval: the bound by relative motion needs the proof for rounding, the
+                # bound by travel not.
                 gaps = bounds.smallest_gaps_together(rows, pairs, found.normal)
                 weak = ~bounds.proven[rows]
                 gaps[weak] = bounds.gaps_by_travel(rows[weak], pairs[weak], found.distance[weak])
-                # The first time that a gap has a bound, and may be a near miss, its midpoint is kept as a sample.
+                # The first time that a gap has a bound, and may be a near miss, its midpoint is
+                # kept as a sample.
                 fresh = np.isfinite(gaps) & ~sampled
                 sampled |= fresh
                 fresh &= (gaps <= self._near) & (pairs[:, 0] <= 1 if self._one_function else True)
@@ -283,8 +298,9 @@ class _Search:
                 tolerance = (
                     _GAP_TOLERANCE if work <= limit else _LIMITED_TOLERANCE * (work / limit) ** 2
                 )
-                # Gaps above zero are open, and those that may be below by the tolerance, except in the interval just
-                # before the earliest contact found. That one is divided to the resolution, where its midpoint decides.
+                # Gaps above zero are open, and those that may be below by the tolerance, except in
+                # the interval just before the earliest contact found. That one is divided to the
+                # resolution, where its midpoint decides.
                 within = (gaps > -(bounds.rounding[rows] + tolerance)) & (
                     intervals.ends[rows] + length < self._hit
                 )
@@ -296,7 +312,8 @@ class _Search:
             left = ~open_ & (intervals.begins[rows] < self._hit)
             rows, pairs, sampled = rows[left], pairs[left], sampled[left]
             if rows.size:
-                # Intervals with pairs that are left are divided, and each of these pairs is tested in all parts.
+                # Intervals with pairs that are left are divided, and each of these pairs is tested
+                # in all parts.
                 parts = min(max(_PAIRS // rows.size, _FEWEST_PARTS), _MOST_PARTS)
                 chosen, rows = np.unique(rows, return_inverse=True)
                 intervals = intervals.divided(self._march, chosen, parts, int(pairs.max()) + 2)
@@ -336,8 +353,8 @@ def _resolution(time: float) -> float:
 def _last_reachable(march: March, begin: float, later: float) -> float:
     """Last time at which the chain has a state, between one at which it has and one at which it has not.
 
-    It is early by the resolution: nearer to the end, rounding decides whether there is a state, and rounding depends on
-    the processor and on the number of times that are computed together.
+    It is early by the resolution: nearer to the end, rounding decides whether there is a state, and
+    rounding depends on the processor and on the number of times that are computed together.
     """
     reachable = begin
     while later - reachable > _RESOLUTION and reachable < (reachable + later) / 2 < later:
@@ -377,7 +394,8 @@ def _near_misses(
 def _brackets(samples: list[list[float]]) -> Iterator[tuple[float, float, float, float, float]]:
     """Pairs, times between which their gap has a local minimum, and rounding error, from samples in order.
 
-    The gap falls to a minimum and rises from it by more than rounding. Where samples end, the gap is larger.
+    The gap falls to a minimum and rises from it by more than rounding. Where samples end, the gap
+    is larger.
     """
     before: list[float] = [-1, -1, 0, 0, 0, 0]
     falls, low, lowest, highest = False, 0.0, 0.0, 0.0
@@ -386,7 +404,8 @@ def _brackets(samples: list[list[float]]) -> Iterator[tuple[float, float, float,
         if (first, second) != tuple(before[:2]) or time - before[2] > _ADJACENT * (
             length + before[3]
         ):
-            # Another pair begins, or other intervals: a gap that fell to the end of the last ones has a minimum.
+            # Another pair begins, or other intervals: a gap that fell to the end of the last ones
+            # has a minimum.
             if falls:
                 yield before[0], before[1], low, before[2] + before[3] / 2, before[5]
             falls, low, lowest = True, time - length / 2, gap
@@ -407,10 +426,11 @@ def _brackets(samples: list[list[float]]) -> Iterator[tuple[float, float, float,
 def _local_minima(march: March, pairs: Indices, low: Array, high: Array, rounding: Array) -> Array:
     """Minima (B, 4) of the gaps of `pairs` (K, 2) inside the brackets from `low` to `high` (K,).
 
-    Each is time, first bench, second bench, and gap in m. A bracket whose gap is no smaller inside than at one of its
-    ends, but for `rounding` (K,), has none.
+    Each is time, first bench, second bench, and gap in m. A bracket whose gap is no smaller inside
+    than at one of its ends, but for `rounding` (K,), has none.
     """
-    # No time is outside a bracket that is shorter than both margins: the chain may have no state there.
+    # No time is outside a bracket that is shorter than both margins: the chain may have no state
+    # there.
     margin = np.clip(_BRACKET_END_SHARE * (high - low), _BRACKET_END, (high - low) / 2)
     times = np.column_stack(
         [low, np.linspace(low + margin, high - margin, _MINIMUM_POINTS, axis=-1), high]

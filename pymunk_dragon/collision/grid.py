@@ -1,12 +1,13 @@
 """Broad phase: which benches are close enough to be worth a test (paper, section 2.2 and figure 6).
 
-Every bench is filed under the square cells that it touches, and only benches that share a cell are candidates for a
-collision. A digital differential analyser (DDA; J. Amanatides and A. Woo, "A Fast Voxel Traversal Algorithm for Ray
-Tracing", Eurographics 1987) follows each edge from column to column; each crossing is computed from the edge's two
-ends, so errors do not accumulate.
+Every bench is filed under the square cells that it touches, and only benches that share a cell are
+candidates for a collision. A digital differential analyser (DDA; J. Amanatides and A. Woo, "A Fast
+Voxel Traversal Algorithm for Ray Tracing", Eurographics 1987) follows each edge from column to
+column; each crossing is computed from the edge's two ends, so errors do not accumulate.
 
-A cell owns its sides and its corners, so two benches that merely touch always share a cell. A bench is also filed
-under the cells that lie inside its outline, so one that lies wholly inside another shares a cell with it too.
+A cell owns its sides and its corners, so two benches that merely touch always share a cell. A bench
+is also filed under the cells that lie inside its outline, so one that lies wholly inside another
+shares a cell with it too.
 """
 
 from __future__ import annotations
@@ -30,11 +31,13 @@ _Cells = NDArray[np.intp]
 CELLS = 0.001, 1000.0
 # Cells from the origin, in either direction. At the paper's pitch that is 550 km.
 _MAX_INDEX = 1_000_000
-# Cells by which an edge is taken to be closer to a grid line than it is, so that rounding never makes the walk miss a
-# cell that the edge touches: at _MAX_INDEX a crossing is wrong by less than 3e-9. It adds cells that the edge passes at
-# less than twice the slack, which is 20 nm where a cell is a metre.
+# Cells by which an edge is taken to be closer to a grid line than it is, so that rounding never
+# makes the walk miss a cell that the edge touches: at _MAX_INDEX a crossing is wrong by less than
+# 3e-9. It adds cells that the edge passes at less than twice the slack, which is 20 nm where a cell
+# is a metre.
 _SLACK = 1e-8
-# Cells. An edge that is steeper than this per column crosses none; below it, dividing by the rise would overflow.
+# Cells. An edge that is steeper than this per column crosses none; below it, dividing by the rise
+# would overflow.
 _UPRIGHT = 1e-30
 # Entries or pairs, 8 bytes each in several arrays: beyond it the memory of a laptop ends.
 _MAX_ENTRIES = 20_000_000
@@ -44,8 +47,8 @@ _MAX_ENTRIES = 20_000_000
 class Grid:
     """Square cells (i, j) as in figure 6: row i counts downward, column j to the right, from the origin at (0, 0).
 
-    There is no frame: the dragon is wider than the paper's grid, and cells above and to the left of the origin have
-    negative indices.
+    There is no frame: the dragon is wider than the paper's grid, and cells above and to the left of
+    the origin have negative indices.
 
     Parameters
     ----------
@@ -72,7 +75,8 @@ class Grid:
     def of(cls, march: March) -> Grid:
         """The grid for `march`: on a spiral the paper's, its cells a pitch wide and the head's start on its right side.
 
-        On other curves the cells are as wide as the longest bench is long, and the origin is the plane's.
+        On other curves the cells are as wide as the longest bench is long, and the origin is the
+        plane's.
         """
         check_march(march)
         curve, turns = march.curve, march.turns
@@ -104,7 +108,8 @@ class Grid:
         Returns
         -------
         cells : ndarray, shape (K, 2)
-            Every cell (i, j) of every bench: those that `walk` finds for its edges, and those within.
+            Every cell (i, j) of every bench: those that `walk` finds for its edges, and those
+            within.
         benches : ndarray, shape (K,)
             Whose cell it is: rising, and within a bench by column and row.
         """
@@ -116,7 +121,8 @@ class Grid:
         counts = last - first + 1
         self._check_entries(counts, "large")
         bench, columns = _runs(first, counts)
-        # What a convex outline covers of a column lies between the lowest and the highest row of its edges there.
+        # What a convex outline covers of a column lies between the lowest and the highest row of
+        # its edges there.
         u, v = u[:, bench], v[:, bench]
         low, high = _rows(u, v, np.roll(u, -1, axis=0), np.roll(v, -1, axis=0), columns)
         top, bottom = _range(low.min(axis=0), high.max(axis=0))
@@ -128,15 +134,16 @@ class Grid:
     def pairs(self, outlines: ArrayLike) -> _Cells:
         """Pairs (P, 2) of benches that share a cell, without neighbours, the smaller number first, in order.
 
-        No two that overlap or touch are missing; most of those that are there neither overlap nor touch. `outlines`
-        (N, 4, 2) are those that `file` takes.
+        No two that overlap or touch are missing; most of those that are there neither overlap nor
+        touch. `outlines` (N, 4, 2) are those that `file` takes.
         """
         cells, benches = self.file(outlines)
         if not benches.size:
             return np.empty((0, 2), dtype=np.intp)
         # One number for cell and bench sorts the entries by cell, and within a cell by bench.
         n = int(benches[-1]) + 1
-        # A million cells squared need 64 bits, which counts and indices have on some platforms only.
+        # A million cells squared need 64 bits, which counts and indices have on some platforms
+        # only.
         rows, columns = (cells - cells.min(axis=0)).astype(np.int64, copy=False).T
         entries = np.sort((rows * (columns.max() + 1) + columns) * n + benches)
         cells, benches = np.divmod(entries, n)
@@ -186,13 +193,13 @@ def _runs(starts: _Cells, counts: _Cells) -> tuple[_Cells, _Cells]:
 def _rows(u0: Array, v0: Array, u1: Array, v1: Array, columns: _Cells) -> tuple[Array, Array]:
     """The DDA's step: where edges are highest and lowest within a column, as distances downward in cells.
 
-    Edges run from (u0, v0) to (u1, v1), distances from the origin in cells to the right and downward. One that misses
-    its column gives an empty range, inf to -inf.
+    Edges run from (u0, v0) to (u1, v1), distances from the origin in cells to the right and
+    downward. One that misses its column gives an empty range, inf to -inf.
     """
     across, down = u1 - u0, v1 - v0
     across = np.where(np.abs(across) < _UPRIGHT, _UPRIGHT, across)
-    # Shares of the edge at which it crosses the column's two sides. They are moved out by twice the slack, so that no
-    # edge misses a column in which `_range` has put it.
+    # Shares of the edge at which it crosses the column's two sides. They are moved out by twice the
+    # slack, so that no edge misses a column in which `_range` has put it.
     left, right = (columns - 2 * _SLACK - u0) / across, (columns + 1 + 2 * _SLACK - u0) / across
     enter, leave = (
         np.maximum(np.minimum(left, right), 0.0),

@@ -55,8 +55,9 @@ class FirstContact(TextResult):
     Attributes
     ----------
     status : {"contact", "clear", "overlapping", "unreachable"}
-        "contact": two benches touch at `time`. "clear": no benches touch until the end. "overlapping": two benches
-        overlap at the start. "unreachable": the chain has no state after `time`, and no benches touch before.
+        "contact": two benches touch at `time`. "clear": no benches touch until the end.
+        "overlapping": two benches overlap at the start. "unreachable": the chain has no state after
+        `time`, and no benches touch before.
     time : float
         Of the contact, the end, the start or the last state, s.
     benches : tuple of int or None
@@ -66,12 +67,13 @@ class FirstContact(TextResult):
     normal : tuple of float or None
         Unit vector from the first bench towards the second.
     near_misses : tuple of NearMiss or None
-        Local minima of gaps below a thirtieth of the width before `time`, in the order of time. If all benches behind
-        the head pass through the same poses, only those of benches 0 and 1. None if gaps were not measured.
+        Local minima of gaps below a thirtieth of the width before `time`, in the order of time. If
+        all benches behind the head pass through the same poses, only those of benches 0 and 1. None
+        if gaps were not measured.
     resolution : float or None
-        Largest overlap before `time` that the certificate does not rule out, m: rounding, about a micrometre where a
-        gap stays near zero for long, and 0.1 mm where the march ends because the chain has no state after it. None if
-        nothing was certified.
+        Largest overlap before `time` that the certificate does not rule out, m: rounding, about a
+        micrometre where a gap stays near zero for long, and 0.1 mm where the march ends because the
+        chain has no state after it. None if nothing was certified.
     samples, tests : int
         Numbers of times at which poses were computed, and of pair tests at all of them.
 

@@ -1,16 +1,16 @@
 """Narrow phase: whether two benches touch, and how far apart they are (paper, section 2.2).
 
-By the separating axis theorem, two rectangles are apart exactly where their projections leave a gap on one of four
-axes: the length and the width of each. Otherwise the shortest translation that separates them is along the axis of the
-smallest overlap
-(S. Gottschalk et al., "OBBTree", SIGGRAPH 1996; C. Ericson, "Real-Time Collision Detection", 2005, section 4.4.1).
+By the separating axis theorem, two rectangles are apart exactly where their projections leave a gap
+on one of four axes: the length and the width of each. Otherwise the shortest translation that
+separates them is along the axis of the smallest overlap (S. Gottschalk et al., "OBBTree", SIGGRAPH
+1996; C. Ericson, "Real-Time Collision Detection", 2005, section 4.4.1).
 
-The widest gap is the distance only where an edge faces the other rectangle. Two rectangles that are nearest corner to
-corner are further apart than any gap shows, so the distance comes from the corners: for convex shapes that are apart,
-one of the two closest points is always a corner.
+The widest gap is the distance only where an edge faces the other rectangle. Two rectangles that are
+nearest corner to corner are further apart than any gap shows, so the distance comes from the
+corners: for convex shapes that are apart, one of the two closest points is always a corner.
 
-Points and vectors of the plane are complex numbers inside this module: ``z * conj(u)`` has the real part along the unit
-vector ``u``, and the imaginary part to its left.
+Points and vectors of the plane are complex numbers inside this module:
+``z * conj(u)`` has the real part along the unit vector ``u``, and the imaginary part to its left.
 """
 
 from __future__ import annotations
@@ -26,7 +26,8 @@ from pymunk_dragon.errors import ParameterError
 
 __all__ = ["Separation", "separation"]
 
-# Pairs worked on at once: their temporaries, about 0.7 kB a pair, stay in a processor's second cache.
+# Pairs worked on at once: their temporaries, about 0.7 kB a pair, stay in a processor's second
+# cache.
 _CHUNK = 2048
 
 
@@ -37,15 +38,17 @@ class Separation:
     Attributes
     ----------
     distance : ndarray, shape (...)
-        Shortest distance between the two, m. Negative where they overlap: the shortest translation that parts them,
-        along an edge normal. Zero where they touch. Its sign is that of the separating axis test, without tolerance.
+        Shortest distance between the two, m. Negative where they overlap: the shortest translation
+        that parts them, along an edge normal. Zero where they touch. Its sign is that of the
+        separating axis test, without tolerance.
     normal : ndarray, shape (..., 2)
-        Unit vector from the first towards the second: between their closest points, or along the shortest separation.
-        Moving the second along it by `-distance` makes overlapping ones touch.
+        Unit vector from the first towards the second: between their closest points, or along the
+        shortest separation. Moving the second along it by `-distance` makes overlapping ones touch.
     point : ndarray, shape (..., 2)
-        Midway between the closest points, m. For overlapping ones: midway between where they touch once each has moved
-        along the normal by half the depth, so a corner that overlaps an edge is half its depth ahead of this point.
-        Where two parallel edges face each other, one of the points between them.
+        Midway between the closest points, m. For overlapping ones: midway between where they touch
+        once each has moved along the normal by half the depth, so a corner that overlaps an edge is
+        half its depth ahead of this point. Where two parallel edges face each other, one of the
+        points between them.
 
     Examples
     --------
@@ -73,13 +76,15 @@ def separation(first: ArrayLike, second: ArrayLike) -> Separation:
     Parameters
     ----------
     first, second : array_like, shape (..., 4, 2)
-        Corners in m, counter-clockwise, as `dragon.outlines` gives them; their leading shapes broadcast.
+        Corners in m, counter-clockwise, as `dragon.outlines` gives them; their leading shapes
+        broadcast.
 
     Returns
     -------
     Separation
-        Read-only arrays of the broadcast leading shape, right to a few last digits of the largest coordinate. If two
-        translations are equally short, or two pairs of points equally close, the result is one of them.
+        Read-only arrays of the broadcast leading shape, right to a few last digits of the largest
+        coordinate. If two translations are equally short, or two pairs of points equally close, the
+        result is one of them.
 
     Examples
     --------
@@ -145,7 +150,8 @@ def _separate(corners: Complex) -> tuple[Array, Complex, Complex]:
     normal = np.where(widest >= 2, heading[1], heading[0]) * np.copysign(1.0, offsets.take(chosen))
     normal = np.where(widest % 2, 1j * normal, normal)
 
-    # Overlapping rectangles are separated first: the closest corner is then the one that was deepest inside.
+    # Overlapping rectangles are separated first: the closest corner is then the one that was
+    # deepest inside.
     step = np.maximum(-gap, 0.0) * normal
     # The corners of each in the frame of the other one, and their offsets from it.
     others = np.array((corners[1] + step, corners[0]))
@@ -161,7 +167,8 @@ def _separate(corners: Complex) -> tuple[Array, Complex, Complex]:
     length = np.abs(between)
     apart = gap > 0
     distance = np.where(apart, np.maximum(gap, length), gap)
-    # A gap may be positive by rounding with a corner at distance 0. The axis is then the only direction.
+    # A gap may be positive by rounding with a corner at distance 0. The axis is then the only
+    # direction.
     np.divide(
         np.where(by_second, -between, between), length, out=normal, where=apart & (length > 0)
     )

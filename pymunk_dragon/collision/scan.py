@@ -43,8 +43,8 @@ def scan(
     march : March
         The motion.
     start, until : float
-        Times of the first and the last sample, s. The last one is no later than the end of the curve, and without
-        `until` it is there.
+        Times of the first and the last sample, s. The last one is no later than the end of the
+        curve, and without `until` it is there.
     step : float
         Time between samples, s. The paper gives the second in which the dragon collides.
     progress : callable, optional
@@ -53,8 +53,8 @@ def scan(
     Returns
     -------
     FirstContact
-        Its time is one at which the benches overlap, at most a microsecond after one at which none do. Near misses and
-        resolution are None: gaps are not measured.
+        Its time is one at which the benches overlap, at most a microsecond after one at which none
+        do. Near misses and resolution are None: gaps are not measured.
 
     Raises
     ------

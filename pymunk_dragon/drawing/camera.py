@@ -10,8 +10,8 @@ from pymunk_dragon._checks import finite, word
 # What a camera follows.
 Target = Literal["field", "head"]
 
-# m: bounds of the width of a view, which detect lengths in another unit. The least shows less than two holes of a
-# bench, the largest more ground than the longest dragon covers.
+# m: bounds of the width of a view, which detect lengths in another unit. The least shows less than
+# two holes of a bench, the largest more ground than the longest dragon covers.
 _SPANS = 0.1, 1e5
 
 
@@ -24,8 +24,8 @@ class Camera:
     follow : {"field", "head"}
         Keep the camera fixed over the whole field, or centre it on the head bench.
     span : float, optional
-        Width of the ground in view, m, from 0.1 to 1e5. The default for "field" holds the dragon during the whole film,
-        the default for "head" is 20 times the head bench's width.
+        Width of the ground in view, m, from 0.1 to 1e5. The default for "field" holds the dragon
+        during the whole film, the default for "head" is 20 times the head bench's width.
 
     Examples
     --------

@@ -1,7 +1,7 @@
 """Pymunk's debug drawing on Pillow images; no window is needed.
 
-`PillowDrawOptions` draws any space on a Pillow image, over whatever the image shows already. It needs nothing else of
-this package.
+`PillowDrawOptions` draws any space on a Pillow image, over whatever the image shows already. It
+needs nothing else of this package.
 
 ```python
 import pymunk
@@ -39,11 +39,12 @@ image.save("debug_draw.png", optimize=True)
 
 ![Boxes and balls between two walls, and Newton's cradle](renders/debug_draw.png)
 
-`fit` shows a whole space, or a `pymunk.BB` of it; any other view is a `transform`, as everywhere in Pymunk. For a film
-set `image` to a new picture for each frame, and `fit` a box, which keeps the view.
+`fit` shows a whole space, or a `pymunk.BB` of it; any other view is a `transform`, as everywhere in
+Pymunk. For a film set `image` to a new picture for each frame, and `fit` a box, which keeps the
+view.
 
-A picture of 223 benches and their pivots, 640 x 640 pixels, takes 38 ms, and 366 ms with `pymunk.matplotlib_util`
-(`python tests/bench/bench.py debug-draw`).
+A picture of 223 benches and their pivots, 640 x 640 pixels, takes 38 ms, and 366 ms with
+`pymunk.matplotlib_util` (`python tests/bench/bench.py debug-draw`).
 """
 
 from __future__ import annotations
@@ -68,14 +69,16 @@ __all__ = ["PillowDrawOptions"]
 _Point = tuple[float, float]
 _Arcs = list[list[_Point]]
 
-# Line widths: half the length of a collision mark. Chipmunk's is two units of the space, which may be two metres.
+# Line widths: half the length of a collision mark. Chipmunk's is two units of the space, which may
+# be two metres.
 _COLLISION_MARK = 5.0
 # Drawn pixels per pixel along each axis.
 _SAMPLES = 2
-# Drawn pixels: ImageDraw also fills the pixels on a polygon's edge, so every radius is smaller by this.
+# Drawn pixels: ImageDraw also fills the pixels on a polygon's edge, so every radius is smaller by
+# this.
 _EDGE_INSET = 0.4
-# Drawn pixels: the same of round outlines at their inner edge. A circle is larger by 1 / pi on average, and a hole is
-# smaller by as much.
+# Drawn pixels: the same of round outlines at their inner edge. A circle is larger by 1 / pi on
+# average, and a hole is smaller by as much.
 _HOLE_INSET = 2 / math.pi - _EDGE_INSET
 # Drawn pixels: what reaches farther is not drawn, because ImageDraw has integers of 32 bits.
 _MAX_REACH = 1e9
@@ -89,9 +92,10 @@ _SMALLEST = 1e-3
 class DrawCall:
     """What Pymunk draws for a shape, a constraint or a contact, in the space's units and its own colours, 0 to 255.
 
-    `name` is "circle", "segment" or "polygon" for shapes, "line" or "dot" for constraints, and "contact". `points` has
-    a centre, the ends of a line, or corners. The `radius` of a dot is in pixels. Only what is drawn
-    for a `shape` has an `outline`, and only circles have an `angle`, rad.
+    `name` is "circle", "segment" or "polygon" for shapes, "line" or "dot" for constraints, and
+    "contact". `points` has a centre, the ends of a line, or corners. The `radius` of a dot is in
+    pixels. Only what is drawn for a `shape` has an `outline`, and only circles have an `angle`,
+    rad.
     """
 
     name: str
@@ -111,8 +115,8 @@ class DrawRecorder(pymunk.SpaceDebugDrawOptions):
     they are, and collide there, until `Space.reindex_shapes_for_body`. Drawing changes no run: the
     next step places the shapes again.
 
-    Chipmunk is written in C, and Python only prints an exception in a function that C calls. That of a shape with a
-    wrong `color` is raised by `debug_draw`.
+    Chipmunk is written in C, and Python only prints an exception in a function that C calls. That
+    of a shape with a wrong `color` is raised by `debug_draw`.
     """
 
     def __init__(self) -> None:
@@ -183,19 +187,21 @@ class DrawRecorder(pymunk.SpaceDebugDrawOptions):
 class PillowDrawOptions(DrawRecorder):
     """Debug drawing of a space on a Pillow image: `space.debug_draw(PillowDrawOptions(image))`.
 
-    Everything is drawn with the alpha of its colour, at twice the image's size, which is then reduced. `with options:`
-    around calls of the drawing methods draws more, in the space's coordinates.
+    Everything is drawn with the alpha of its colour, at twice the image's size, which is then
+    reduced. `with options:` around calls of the drawing methods draws more, in the space's
+    coordinates.
 
     Parameters
     ----------
     image : PIL.Image.Image
-        Target image, in mode RGB; an attribute that can be set, for example to the next frame of a film.
+        Target image, in mode RGB; an attribute that can be set, for example to the next frame of a
+        film.
     positive_y_is_up : bool
-        Whether y increases upwards from the image's lower edge. If False, y increases downwards from the upper edge as
-        in `pymunk.pygame_util`.
+        Whether y increases upwards from the image's lower edge. If False, y increases downwards
+        from the upper edge as in `pymunk.pygame_util`.
     line_width : float
-        Width of outlines and lines, pixels, from 1 to 100; at every angle they are as thick, to a quarter of a pixel.
-        Dots and contacts scale with the line width.
+        Width of outlines and lines, pixels, from 1 to 100; at every angle they are as thick, to a
+        quarter of a pixel. Dots and contacts scale with the line width.
 
     Examples
     --------
@@ -220,7 +226,8 @@ class PillowDrawOptions(DrawRecorder):
             raise ParameterError("image", image, "a PIL.Image.Image in mode RGB")
         self.image = image
         self.positive_y_is_up = flag("positive_y_is_up", positive_y_is_up)
-        # Pillow draws a line of one drawn pixel step by step, however long the line is; a wide one hides the picture.
+        # Pillow draws a line of one drawn pixel step by step, however long the line is; a wide one
+        # hides the picture.
         self.line_width = finite("line_width", line_width, 1, 100, "pixels")
 
     def fit(self, area: pymunk.Space | pymunk.BB, margin: float = 10.0) -> None:
@@ -384,7 +391,8 @@ def _around(
     arcs: _Arcs = []
     for i, (x, y) in enumerate(corners):
         turn = (headings[i] - headings[i - 1]) % math.tau
-        # At a straight corner, rounding can give an angle just below a full circle. A point has one.
+        # At a straight corner, rounding can give an angle just below a full circle. A point has
+        # one.
         turn = math.tau if len(corners) == 1 else turn if turn < 1.5 * math.pi else 0.0
         # The chords are within 0.13 drawn pixels of the arc.
         chords = 1 + int(turn * (1 + math.sqrt(roundness)))

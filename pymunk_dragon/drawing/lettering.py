@@ -44,7 +44,8 @@ def line(text: str, height: int) -> Image.Image:
 def wrapped(text: str, height: int, width: int) -> list[Image.Image]:
     """Render `text` in lines of at most `width` pixels; a wider word is split.
 
-    Of all numbers of characters in a line, the largest one is chosen with which every line is narrow enough.
+    Of all numbers of characters in a line, the largest one is chosen with which every line is
+    narrow enough.
     """
     file = _font_file(text)
 

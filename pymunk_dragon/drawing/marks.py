@@ -1,6 +1,7 @@
 """Overlays of a picture: velocities, joint impulses, contacts, the grid of the broad phase, position errors.
 
-An overlay is a function that draws it, and an entry in `OVERLAYS`, from which films and the command line have its name.
+An overlay is a function that draws it, and an entry in `OVERLAYS`, from which films and the command
+line have its name.
 """
 
 from __future__ import annotations
@@ -21,19 +22,23 @@ from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.run import Run
 
-# s: an arrow ends where its handle would be after this time, so its length is proportional to the speed.
+# s: an arrow ends where its handle would be after this time, so its length is proportional to the
+# speed.
 _ARROW_TIME = 0.5
-# Drawn pixels: width of an arrow's shaft; length and half the width of its head. A shorter arrow has no direction.
+# Drawn pixels: width of an arrow's shaft; length and half the width of its head. A shorter arrow
+# has no direction.
 _SHAFT_WIDTH, _ARROWHEAD_LENGTH, _ARROWHEAD_HALF_WIDTH, _MIN_ARROW_LENGTH = 4, 13.0, 5.0, 2.0
 # Drawn pixels: length of a normal, and radius of a contact point.
 _NORMAL_LENGTH, _CONTACT_RADIUS = 72.0, 8.0
-# Radius of the disc of the run's largest impulse, as a fraction of a bench's width: it does not hide the bench.
+# Radius of the disc of the run's largest impulse, as a fraction of a bench's width: it does not
+# hide the bench.
 _DISC_RADIUS = 0.55
-# Drawn pixels: smallest size of a cell, of which smaller ones would cover the ground. Opacities of 255 of a cell with a
-# bench, and of a line between cells: sixteenths, which are in the table of colours.
+# Drawn pixels: smallest size of a cell, of which smaller ones would cover the ground. Opacities of
+# 255 of a cell with a bench, and of a line between cells: sixteenths, which are in the table of
+# colours.
 _MIN_CELL_SIZE, _CELL_TINT, _LINE_TINT = 8.0, 32, 64
-# Substeps: a contact callback is shown if it is at most this much older than the frame. The last substep, and a margin
-# for rounding.
+# Substeps: a contact callback is shown if it is at most this much older than the frame. The last
+# substep, and a margin for rounding.
 _RECENT_SUBSTEPS = 1.5
 
 
@@ -135,7 +140,8 @@ def _forces(run: Run, time: float) -> Array:
 def _touches(run: Run, time: float) -> list[tuple[Sequence[Sequence[float]], Sequence[float]]]:
     """Return the contact points, m, and the normal of each contact at a time.
 
-    They are those of the last callback in the last substep; before all callbacks, of the refined first contact.
+    They are those of the last callback in the last substep; before all callbacks, of the refined
+    first contact.
     """
     since = time - _RECENT_SUBSTEPS * (run.substep or 0.0)
     begin, end = (bisect_right(run.events, t, key=lambda event: event.time) for t in (since, time))

@@ -9,7 +9,8 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-# Drawn pixels per pixel of the picture along each axis: a picture is drawn at twice its size and reduced.
+# Drawn pixels per pixel of the picture along each axis: a picture is drawn at twice its size and
+# reduced.
 BLOCK = 2
 # Shades of text between background and ink: more than 16 make no visible difference at this size.
 _TEXT_SHADES = 16
@@ -19,9 +20,9 @@ _TEXT_SHADES = 16
 class Palette:
     """Colours of pictures, each as "#rrggbb". The defaults are distinguishable with colour blindness and in greyscale.
 
-    `background` and `curve` are the ground and the path; `head`, `body` and `tail` the benches, `contact` those in
-    contact; `ink` outlines, holes and text; `motion` velocities and position errors; `force` impulses, contact points
-    and normals; `grid` the cells of the broad phase.
+    `background` and `curve` are the ground and the path; `head`, `body` and `tail` the benches,
+    `contact` those in contact; `ink` outlines, holes and text; `motion` velocities and position
+    errors; `force` impulses, contact points and normals; `grid` the cells of the broad phase.
     """
 
     background: str = "#fbf8f1"

@@ -22,13 +22,14 @@ from pymunk_dragon.model.run import Run
 
 # m: diameter of a hole in the paper. Only pictures depend on it.
 _HOLE_DIAMETER = 0.055
-# Largest diameter of a hole as a fraction of a bench's width and twice its overhang, so that the holes of a small bench
-# stay inside its outline.
+# Largest diameter of a hole as a fraction of a bench's width and twice its overhang, so that the
+# holes of a small bench stay inside its outline.
 _MAX_HOLE_FRACTION = 0.4
-# Drawn pixels: a smaller hole is not recognisable. Films of the reference scenario's whole field show holes from 850
-# pixels on.
+# Drawn pixels: a smaller hole is not recognisable. Films of the reference scenario's whole field
+# show holes from 850 pixels on.
 _MIN_HOLE_DIAMETER = 4.0
-# Drawn pixels between points of the curve: long enough to be smooth in whole pixels, short enough to appear round.
+# Drawn pixels between points of the curve: long enough to be smooth in whole pixels, short enough
+# to appear round.
 _CURVE_STEP = 6.0
 # Points of the curve: limits memory if the curve is much longer than the view.
 _MAX_CURVE_POINTS = 200_000
@@ -40,8 +41,8 @@ _RING_RADIUS = 9
 _HEAD_BORDER = 0.12
 # m: smaller gaps are near misses, displayed in every film, with a ring.
 _SMALL_GAP = 0.01
-# Text height as a fraction of the picture's shorter side, readable and small beside the dragon; and its least value,
-# pixels.
+# Text height as a fraction of the picture's shorter side, readable and small beside the dragon; and
+# its least value, pixels.
 _TEXT_HEIGHT, _MIN_TEXT_HEIGHT = 0.036, 15
 
 
@@ -49,10 +50,11 @@ _TEXT_HEIGHT, _MIN_TEXT_HEIGHT = 0.036, 15
 class Scene:
     """Renderer of the states of a run or march at a constant scale.
 
-    The camera follows the "field" around `centre`, m, or the "head"; `span` is the width of the view, m, and `size`
-    that of pictures, pixels. A curve without ends is drawn for `times`, s, of the first and last picture. From the time
-    of `contact` on, its benches have the contact colour. `show` has names of `OVERLAYS`. The position errors of a run
-    `beside` are drawn as arrows, enlarged by `factor`.
+    The camera follows the "field" around `centre`, m, or the "head"; `span` is the width of the
+    view, m, and `size` that of pictures, pixels. A curve without ends is drawn for `times`, s, of
+    the first and last picture. From the time of `contact` on, its benches have the contact colour.
+    `show` has names of `OVERLAYS`. The position errors of a run `beside` are drawn as arrows,
+    enlarged by `factor`.
     """
 
     source: Snapshots

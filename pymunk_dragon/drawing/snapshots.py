@@ -13,7 +13,8 @@ from pymunk_dragon.model.run import Run
 
 Source = Run | March
 
-# Frames whose poses are computed at once: enough to amortise the cost of a call, few enough to limit memory.
+# Frames whose poses are computed at once: enough to amortise the cost of a call, few enough to
+# limit memory.
 _CHUNK_FRAMES = 32
 
 

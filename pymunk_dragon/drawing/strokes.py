@@ -1,9 +1,9 @@
 """Polygons for `ImageDraw` of lines that are equally thick at every angle.
 
-`ImageDraw.line` has the same pixels for widths of 3, 4 and 5 at 45 degrees (Pillow 13.0). The corners of
-`ImageDraw.polygon` are whole pixels too, but the distance between two edges can be chosen. A polygon fills, in each row
-from its first corner to its last one, the pixels between two edges and half a pixel more at either end; along a
-horizontal edge it fills the edge's row.
+`ImageDraw.line` has the same pixels for widths of 3, 4 and 5 at 45 degrees (Pillow 13.0). The
+corners of `ImageDraw.polygon` are whole pixels too, but the distance between two edges can be
+chosen. A polygon fills, in each row from its first corner to its last one, the pixels between two
+edges and half a pixel more at either end; along a horizontal edge it fills the edge's row.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ Pixel = tuple[int, int]
 def line(begin: Point, end: Point, width: float) -> list[Pixel]:
     """Return the corners of a line with square ends: begin and end of its right edge, end and begin of its left one.
 
-    The line's coordinates are 0.5 at the centre of the first pixel, and y points up for the names of the edges. Its
-    length must not be 0.
+    The line's coordinates are 0.5 at the centre of the first pixel, and y points up for the names
+    of the edges. Its length must not be 0.
     """
     length = math.dist(begin, end)
     across = width * (begin[1] - end[1]) / length, width * (end[0] - begin[0]) / length
@@ -40,7 +40,8 @@ def line(begin: Point, end: Point, width: float) -> list[Pixel]:
 def parallel(edge: Sequence[Pixel], across: Sequence[Point], width: float) -> list[Pixel]:
     """Return the second edge of a strip of a width; `across` leads from the two corners of its first edge to it.
 
-    Rounding at the first corner is compensated at the second one: the mean thickness is within a quarter of a pixel.
+    Rounding at the first corner is compensated at the second one: the mean thickness is within a
+    quarter of a pixel.
     """
     (u, v), (u_end, v_end) = edge
     steep = abs(v_end - v) > abs(u_end - u)

@@ -1,9 +1,10 @@
 # %% [markdown] order=100 scene="callbacks" view=[0,0.3,8,5.5] axes="step|impulse (N s)"
 # # Which events does a contact cause?
-# At a contact Pymunk calls functions of your program. When does it call which, and what can it read by then?
+# At a contact Pymunk calls functions of your program. When does it call which, and what can it read
+# by then?
 # ## Guess
-# A bench flies at another that lies still, and bounces off. There are four functions: `begin`, `pre_solve`,
-# `post_solve` and `separate`; the solver computes the impulse of a step.
+# A bench flies at another that lies still, and bounces off. There are four functions: `begin`,
+# `pre_solve`, `post_solve` and `separate`; the solver computes the impulse of a step.
 
 # %%
 import sys
@@ -31,7 +32,8 @@ def build(elasticity: float = 0.5, note: Any = events.append) -> pymunk.Space:
     def called(arbiter: pymunk.Arbiter, space: pymunk.Space, name: Any) -> None:
         note(f"impulse {arbiter.total_impulse.length:.2f} N s   {name}")
 
-    # One function for all callbacks: Pymunk hands it the `data` that it was given for each, here the name.
+    # One function for all callbacks: Pymunk hands it the `data` that it was given for each, here
+    # the name.
     for name in ("begin", "pre_solve", "post_solve", "separate"):
         callback: dict[str, Any] = {name: called}
         space.on_collision(**callback, data=name)
@@ -60,7 +62,8 @@ def noted(call: str) -> None:
 
 
 space = build(note=noted)
-# An error that no caller can catch goes to this hook of Python, which by default writes it to stderr.
+# An error that no caller can catch goes to this hook of Python, which by default writes it to
+# stderr.
 usual, sys.unraisablehook = sys.unraisablehook, lambda lost: print(f"hook:    {lost.exc_value}")
 frames = []
 for step in range(70):  # noqa: B007  # `noted` prints it.
@@ -91,30 +94,38 @@ frames[40]
 
 # %% [markdown]
 # ## Answer
-# `begin` and `separate` come once, `pre_solve` and `post_solve` in every step between, and only `post_solve` has the
-# impulse of its step: before it one reads that of the step before. In the program `begin` also raises an error,
-# which does not pass through the C code that calls back: Python only reports it, and the benches bounce as if nothing
-# had been. So `simulate` keeps such an error and raises it when the step is over.
+# `begin` and `separate` come once, `pre_solve` and `post_solve` in every step between, and only
+# `post_solve` has the impulse of its step: before it one reads that of the step before. In the
+# program `begin` also raises an error, which does not pass through the C code that calls back:
+# Python only reports it, and the benches bounce as if nothing had been. So `simulate` keeps such an
+# error and raises it when the step is over.
 #
 # Which are called in every step of the contact?
-# - `begin` and `separate`: the names of a beginning and an end, but nothing says what comes between.
+# - `begin` and `separate`: the names of a beginning and an end, but nothing says what comes
+#   between.
 # - **`pre_solve` and `post_solve`**: in steps 40, 41 and 42.
 # - All four: the contact is there in each step, but `begin` and `separate` report changes only.
 #
 # Which one has the impulse of the blow first?
 # - `begin`: the benches touch there, but nothing is computed yet, and it reads 0.
 # - `pre_solve`: it comes in the same step, but before the solver, as its name says.
-# - **`post_solve`**: in step 40 of the program 3.29 N s, and the bench that lay still leaves at 0.329 m/s.
+# - **`post_solve`**: in step 40 of the program 3.29 N s, and the bench that lay still leaves at
+#   0.329 m/s.
 # - `separate`: only then the blow is over, but Pymunk has emptied the contact by then: it reads 0.
 # ## Check
-# The impulse of 3.29 N s is what sets the bench in motion: divide it by 10 kg, and compare the speed.
+# The impulse of 3.29 N s is what sets the bench in motion: divide it by 10 kg, and compare the
+# speed.
 # ## Try
-# Watch which calls come once, which again and again, and with which impulse. Live: then drag one bench so that it
-# slowly pushes the other along. What is the impulse of a contact that lasts?
+# Watch which calls come once, which again and again, and with which impulse. Live: then drag one
+# bench so that it slowly pushes the other along. What is the impulse of a contact that lasts?
 # ## Change
 # Set `elasticity`, their bounce, to 0. Why is there less of an impulse, but more of the calls?
 # ## Teacher
-# - A course in programming; functions and exceptions in Python. 45 minutes: 5 to guess, 20 on the stage, 20 to compare.
-# - Goal: a library that calls back decides when, and with which state. An exception does not cross C code by itself.
-# - Try: while a contact lasts, each step has the impulse of the force of the hand, without the blow of the first.
-# - Mistakes: the impulse is read before it is computed; an error that nobody sees is taken for no error.
+# - A course in programming; functions and exceptions in Python. 45 minutes: 5 to guess, 20 on the
+#   stage, 20 to compare.
+# - Goal: a library that calls back decides when, and with which state. An exception does not cross
+#   C code by itself.
+# - Try: while a contact lasts, each step has the impulse of the force of the hand, without the blow
+#   of the first.
+# - Mistakes: the impulse is read before it is computed; an error that nobody sees is taken for no
+#   error.

@@ -1,8 +1,8 @@
 # %% [markdown] order=20
 # # Where does the next handle go?
-# Two handles carry the head bench, both on the spiral, 2.86 m apart in a straight line. If the front one, handle 0, is
-# known, the next one is where the circle of radius 2.86 m round it meets the spiral. How often does it, and which point
-# is meant?
+# Two handles carry the head bench, both on the spiral, 2.86 m apart in a straight line. If the
+# front one, handle 0, is known, the next one is where the circle of radius 2.86 m round it meets
+# the spiral. How often does it, and which point is meant?
 # ## Guess
 # Draw a circle of radius 2.86 m round a point of a spiral whose turns are 0.55 m apart.
 
@@ -12,13 +12,15 @@ import numpy as np
 
 from pymunk_dragon import Dragon, March, Spiral
 
-# The arc-length coordinate s is in metres from the centre. Handle 0 has walked from turn 16 for t s.
+# The arc-length coordinate s is in metres from the centre. Handle 0 has walked from turn 16 for t
+# s.
 t, bench = 300, 2.86
 spiral = Spiral(pitch=0.55)
 here = spiral.at_turn(16) + 1.0 * t
 handle = spiral.point(here)
 
-# Go in along the whole spiral, and note wherever the distance from handle 0 passes the length of the bench.
+# Go in along the whole spiral, and note wherever the distance from handle 0 passes the length of
+# the bench.
 s = np.linspace(spiral.at_turn(22), 0, 1_000_001)
 path = spiral.point(s)
 beyond = np.hypot(*(path - handle).T) - bench
@@ -52,13 +54,15 @@ plt.savefig("chain.png", bbox_inches="tight")
 
 # %% [markdown]
 # ## Answer
-# The circle meets the spiral 22 times, always 2.86 m away in a straight line, and the first one back along the path is
-# meant: 2.900 m along it, as the path is an arc and the bench is its chord. The two beside it on the circle, less than
-# 0.6 m off, are one turn further out or in: no walk takes the bench there, but a solver with a bad guess does.
+# The circle meets the spiral 22 times, always 2.86 m away in a straight line, and the first one
+# back along the path is meant: 2.900 m along it, as the path is an arc and the bench is its chord.
+# The two beside it on the circle, less than 0.6 m off, are one turn further out or in: no walk
+# takes the bench there, but a solver with a bad guess does.
 #
 # How often does the circle meet the spiral?
 # - 2 times: so often a circle meets a straight line or another circle.
-# - 6 times: as if only the turns next to handle 0 were near enough; but five turns on either side are.
+# - 6 times: as if only the turns next to handle 0 were near enough; but five turns on either side
+#   are.
 # - **22 times**: each of the turns that are less than 2.86 m further in or out is met twice.
 #
 # How long is the path from one handle to the other?
@@ -66,16 +70,21 @@ plt.savefig("chain.png", bbox_inches="tight")
 # - **4 cm longer**: 2.900 m.
 # - 40 cm longer: so much it would be on a circle with a radius of 1.9 m; here it is 5 m.
 # ## Check
-# The arc, 2.900 m: the path is nearly a circle of the radius $R = (4.992 + 5.043) / 2$ m, and the arc over a chord of
-# 2.86 m is $2 R \arcsin(2.86 / (2 R))$, with the arcsine in radians.
+# The arc, 2.900 m: the path is nearly a circle of the radius $R = (4.992 + 5.043) / 2$ m, and the
+# arc over a chord of 2.86 m is $2 R \arcsin(2.86 / (2 R))$, with the arcsine in radians.
 # ## Try
-# Drag the next handle to where you expect it: how large is your error? Then drag it once round the circle: how many of
-# its points lie on the spiral, and why is only one of them the next handle? Try again with handle 0 near the centre.
+# Drag the next handle to where you expect it: how large is your error? Then drag it once round the
+# circle: how many of its points lie on the spiral, and why is only one of them the next handle? Try
+# again with handle 0 near the centre.
 # ## Change
-# Set `bench` to 1.65, as of all benches but the head: how many points are there, and how much longer is the arc? Then
-# put it back and set `t` to 400: now the centre lies within the circle, and the number is odd. Why?
+# Set `bench` to 1.65, as of all benches but the head: how many points are there, and how much
+# longer is the arc? Then put it back and set `t` to 400: now the centre lies within the circle, and
+# the number is odd. Why?
 # ## Teacher
-# - From grade 10; circle, chord and arc. 40 minutes: 10 to draw and guess, 15 on the stage, 15 to compare.
-# - Goal: an equation with many solutions needs a rule that selects one, and a solver needs a good first guess.
+# - From grade 10; circle, chord and arc. 40 minutes: 10 to draw and guess, 15 on the stage, 15 to
+#   compare.
+# - Goal: an equation with many solutions needs a rule that selects one, and a solver needs a good
+#   first guess.
 # - Try: the second point lies a turn further in or out; no walk takes the bench there.
-# - Mistakes: chord and arc are taken for the same; a solver's result is believed because it solves the equation.
+# - Mistakes: chord and arc are taken for the same; a solver's result is believed because it solves
+#   the equation.

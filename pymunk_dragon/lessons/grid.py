@@ -1,10 +1,10 @@
 # %% [markdown] order=50 axes="size of a cell (m)|pairs to test"
 # # How many pairs have to be tested?
-# Each bench is hinged to the one before it; any two others could touch. Of 16 benches these are 105 pairs, of 223
-# benches 24,531. Most of them are metres apart: which pairs need no test?
+# Each bench is hinged to the one before it; any two others could touch. Of 16 benches these are 105
+# pairs, of 223 benches 24,531. Most of them are metres apart: which pairs need no test?
 # ## Guess
-# Cut the floor into square cells as wide as the pitch, 0.55 m, file every bench in the cells that it touches, and test
-# only benches that share a cell.
+# Cut the floor into square cells as wide as the pitch, 0.55 m, file every bench in the cells that
+# it touches, and test only benches that share a cell.
 
 # %%
 import matplotlib.pyplot as plt
@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from pymunk_dragon import Grid, March, first_contact, separation
 
-# The dragon as its head runs into bench 8, and the edge of that bench that it hits, measured in cells.
+# The dragon as its head runs into bench 8, and the edge of that bench that it hits, measured in
+# cells.
 march = March()
 benches = march.dragon.outlines(march.at(first_contact(march).time).poses[0])
 grid = Grid.of(march)  # cells as wide as the pitch, counted to the right and down
@@ -60,24 +61,31 @@ plt.savefig("grid.png", bbox_inches="tight")
 
 # %% [markdown]
 # ## Answer
-# Only 13 of the 105 pairs share a cell, and 546 of the 24,531, about 2 in 100: nothing is missed, as two benches that
-# touch share the cell where they do. The price is the filing: 223 benches have 1,997 entries. But ten times the benches
-# have about ten times the entries, and a hundred times the pairs.
+# Only 13 of the 105 pairs share a cell, and 546 of the 24,531, about 2 in 100: nothing is missed,
+# as two benches that touch share the cell where they do. The price is the filing: 223 benches have
+# 1,997 entries. But ten times the benches have about ten times the entries, and a hundred times the
+# pairs.
 #
 # How many of the 24,531 pairs are left?
 # - About 5: so few do nearly touch, but a cell is filed with all that is within half a metre.
 # - **About 500**: 546 pairs.
-# - About 5,000: as if a bench came near to a fifth of all others; it meets only those of three turns.
+# - About 5,000: as if a bench came near to a fifth of all others; it meets only those of three
+#   turns.
 # ## Check
-# The walk takes 6 cells: the first, and one more for each grid line that the edge crosses. Between columns 17.568 and
-# 20.501 there are the lines 18, 19 and 20, and between rows 11.130 and 13.850 the lines 12 and 13.
+# The walk takes 6 cells: the first, and one more for each grid line that the edge crosses. Between
+# columns 17.568 and 20.501 there are the lines 18, 19 and 20, and between rows 11.130 and 13.850
+# the lines 12 and 13.
 # ## Try
-# Change the size of a cell, and note the pairs and the entries, one for each bench in each of its cells: which size
-# leaves the fewest pairs, and which one the least work in all?
+# Change the size of a cell, and note the pairs and the entries, one for each bench in each of its
+# cells: which size leaves the fewest pairs, and which one the least work in all?
 # ## Change
 # Walk along another edge, as `benches[8, 2:]`: through how many cells does it lead?
 # ## Teacher
-# - From grade 9; coordinates, the number of pairs $n (n - 1) / 2$. 40 minutes: 10 to guess, 15 on the stage, 15.
-# - Goal: a broad phase leaves so few pairs that the work grows with the number of benches, not with its square.
-# - Try: the smallest cells leave the fewest pairs; pairs and entries together are fewest with cells of about 1 m.
-# - Mistakes: small cells are taken to be always better, though filing costs too; a shared cell is taken for a contact.
+# - From grade 9; coordinates, the number of pairs $n (n - 1) / 2$. 40 minutes: 10 to guess, 15 on
+#   the stage, 15.
+# - Goal: a broad phase leaves so few pairs that the work grows with the number of benches, not with
+#   its square.
+# - Try: the smallest cells leave the fewest pairs; pairs and entries together are fewest with cells
+#   of about 1 m.
+# - Mistakes: small cells are taken to be always better, though filing costs too; a shared cell is
+#   taken for a contact.

@@ -1,7 +1,8 @@
 # %% [markdown] order=70 axes="time (s)|gap (mm)"
 # # Is a check each second enough?
-# Make all benches one millimetre wider: 0.301 m. A program that checks each second whether any two overlap finds the
-# head, bench 0, in bench 8, and traces this contact back to its beginning at 412.442 s. Is it the first one?
+# Make all benches one millimetre wider: 0.301 m. A program that checks each second whether any two
+# overlap finds the head, bench 0, in bench 8, and traces this contact back to its beginning at
+# 412.442 s. Is it the first one?
 # ## Guess
 # In the lesson before, benches of 0.300 m passed each other with 3.0 mm and with 0.9 mm to spare.
 
@@ -24,9 +25,10 @@ def gap(times: ArrayLike) -> NDArray[np.float64]:
 
 
 # %%
-# A search of our own. Holes go at 1 m/s at most; corners are 0.31 m from them, on benches that turn at less than
-# 0.5 rad/s, so they are slower than 1.2 m/s. Within a time interval no gap is smaller than in its middle by more than
-# two benches move in half of it. An interval in which that could close the gap is split into its halves.
+# A search of our own. Holes go at 1 m/s at most; corners are 0.31 m from them, on benches that turn
+# at less than 0.5 rad/s, so they are slower than 1.2 m/s. Within a time interval no gap is smaller
+# than in its middle by more than two benches move in half of it. An interval in which that could
+# close the gap is split into its halves.
 fastest, begins, until, samples = 1200, np.arange(400.0, 413.0), np.inf, 0  # mm/s, s, s
 for halvings in range(31):
     length = 0.5**halvings
@@ -61,31 +63,40 @@ plt.savefig("missed-window.png", bbox_inches="tight")
 
 # %% [markdown]
 # ## Answer
-# The head touches bench 11 at 409.776 s, for 0.109 s and 0.023 mm deep, and at 410 s there is a gap again. No step is
-# short enough, as the next contact may be shorter; but if you know how fast a gap can close, each sample clears a time
-# interval, and you sample again only where a doubt is left, as the program and `first_contact` do.
+# The head touches bench 11 at 409.776 s, for 0.109 s and 0.023 mm deep, and at 410 s there is a gap
+# again. No step is short enough, as the next contact may be shorter; but if you know how fast a gap
+# can close, each sample clears a time interval, and you sample again only where a doubt is left, as
+# the program and `first_contact` do.
 #
 # What touched before 412.442 s?
-# - Nothing: what is traced back to its beginning seems to be the first, but only this contact is traced.
+# - Nothing: what is traced back to its beginning seems to be the first, but only this contact is
+#   traced.
 # - **There was one short contact**: with bench 11, 0.109 s long.
-# - There were many contacts: a millimetre on each of 223 benches seems much, but it closes only the gap of 0.9 mm.
+# - There were many contacts: a millimetre on each of 223 benches seems much, but it closes only the
+#   gap of 0.9 mm.
 #
 # How often must you check?
-# - Every tenth of a second: that finds this one, which lasts 0.109 s, but not the next, shorter one.
+# - Every tenth of a second: that finds this one, which lasts 0.109 s, but not the next, shorter
+#   one.
 # - Every thousandth: a thousand checks a second feel safe, but there is no shortest contact.
-# - **No step is short enough**: only a bound on the speed makes samples a proof, some 4,000 where needed.
+# - **No step is short enough**: only a bound on the speed makes samples a proof, some 4,000 where
+#   needed.
 # ## Check
-# The depth of 0.023 mm: benches of 0.300 m leave 0.865 mm, as in the lesson before. Half a millimetre more on either
-# side brings the edge of bench 11 nearer by 0.5 mm, and the head's corner by 0.5 mm times $\cos 39.05^\circ$.
+# The depth of 0.023 mm: benches of 0.300 m leave 0.865 mm, as in the lesson before. Half a
+# millimetre more on either side brings the edge of bench 11 nearer by 0.5 mm, and the head's corner
+# by 0.5 mm times $\cos 39.05^\circ$.
 # ## Try
-# Drag the time along the chart: what happened between the samples? Then change how often there is a sample. What is
-# the longest step that finds both contacts, and is that more than luck? Make the benches a hair narrower, down to where
-# a contact is so short that even 0.05 s misses it.
+# Drag the time along the chart: what happened between the samples? Then change how often there is a
+# sample. What is the longest step that finds both contacts, and is that more than luck? Make the
+# benches a hair narrower, down to where a contact is so short that even 0.05 s misses it.
 # ## Change
-# Set `width` to 0.30098: how long is the contact now, and does `scan` with `step=0.1` still find it?
+# Set `width` to 0.30098: how long is the contact now, and does `scan` with `step=0.1` still find
+# it?
 # ## Teacher
-# - From grade 11; the lesson near-miss, a bound on a speed. 45 minutes: 10 to guess, 20 on the stage, 15 to compare.
-# - Goal: samples prove nothing about the time between. With a bound on the speed they do: conservative advancement.
-# - Try: 0.2 s, by luck, as 409.8 s lies within the 0.109 s of the contact. At 300.98 mm it lasts 0.052 s, and samples
-#   every 0.1 s miss it; at 300.977 mm 0.037 s, and those every 0.05 s do.
+# - From grade 11; the lesson near-miss, a bound on a speed. 45 minutes: 10 to guess, 20 on the
+#   stage, 15 to compare.
+# - Goal: samples prove nothing about the time between. With a bound on the speed they do:
+#   conservative advancement.
+# - Try: 0.2 s, by luck, as 409.8 s lies within the 0.109 s of the contact. At 300.98 mm it lasts
+#   0.052 s, and samples every 0.1 s miss it; at 300.977 mm 0.037 s, and those every 0.05 s do.
 # - Mistakes: a finer step is taken for a proof; the first contact found is taken for the first.

@@ -1,9 +1,11 @@
 # %% [markdown] order=120 axes="pitch (m)|smallest gap (mm)"
 # # How tight can it coil?
-# The head starts on turn 16 of the spiral and shall come to 4.5 m from its centre, without any bench touching another.
-# With turns 0.55 m apart that is easy. How small may this pitch be, if benches are 0.30 m wide?
+# The head starts on turn 16 of the spiral and shall come to 4.5 m from its centre, without any
+# bench touching another. With turns 0.55 m apart that is easy. How small may this pitch be, if
+# benches are 0.30 m wide?
 # ## Guess
-# One program proves its answer. Another checks once a second for benches that overlap, and narrows the pitch by that.
+# One program proves its answer. Another checks once a second for benches that overlap, and narrows
+# the pitch by that.
 
 # %%
 import matplotlib.pyplot as plt
@@ -29,7 +31,8 @@ def smallest_gap(pitch: float, step: float) -> float:
 
 
 # %%
-# With a check each second: halve the bracket, which begins with a bench's width and the contest's pitch.
+# With a check each second: halve the bracket, which begins with a bench's width and the contest's
+# pitch.
 blocked, free, interval = 0.30, 0.55, 1.0  # m, m, s
 while free - blocked > 1e-7:
     middle = (blocked + free) / 2
@@ -53,13 +56,15 @@ plt.savefig("pitch.png", bbox_inches="tight")
 
 # %% [markdown]
 # ## Answer
-# The smallest pitch is 0.45034 m, half as much again as the width, because a straight bench on a curve sticks out at
-# its ends and sags in at its middle; with it the head just touches bench 19. Checks each second give 0.45027 m, which
-# is too small: no sample has an overlap, but between two of them benches overlap by 0.064 mm.
+# The smallest pitch is 0.45034 m, half as much again as the width, because a straight bench on a
+# curve sticks out at its ends and sags in at its middle; with it the head just touches bench 19.
+# Checks each second give 0.45027 m, which is too small: no sample has an overlap, but between two
+# of them benches overlap by 0.064 mm.
 #
 # How small may the pitch be?
 # - 0.31 m: so little would be enough on a straight line.
-# - 0.38 m: a little more for straight benches on round turns; but the head is 3.41 m long and needs more.
+# - 0.38 m: a little more for straight benches on round turns; but the head is 3.41 m long and needs
+#   more.
 # - **0.45 m**: 0.45034 m.
 #
 # The pitch found with a check each second is ...
@@ -67,17 +72,22 @@ plt.savefig("pitch.png", bbox_inches="tight")
 # - Too large: this would be so if the checks saw contacts that are none.
 # - **Too small**: 0.45027 m, as a contact between two checks is missed.
 # ## Check
-# The inward march takes 220.9 s: to 4.5 m from the centre there are $16 - 4.5 / 0.45034 = 6.0075$ turns, of a mean
-# radius of $(7.205 + 4.5) / 2$ m. Multiply their length by the turns: those are metres, and at 1 m/s as many seconds.
+# The inward march takes 220.9 s: to 4.5 m from the centre there are $16 - 4.5 / 0.45034 = 6.0075$
+# turns, of a mean radius of $(7.205 + 4.5) / 2$ m. Multiply their length by the turns: those are
+# metres, and at 1 m/s as many seconds.
 # ## Try
-# Move the pitch until the dragon just gets in, to a millimetre. Which bench does the head touch if it is a little too
-# small, and where? Then stay at 450 mm, and use the fine adjustment: from where on do samples every 1 s see no overlap,
-# and from where on is there none?
+# Move the pitch until the dragon just gets in, to a millimetre. Which bench does the head touch if
+# it is a little too small, and where? Then stay at 450 mm, and use the fine adjustment: from where
+# on do samples every 1 s see no overlap, and from where on is there none?
 # ## Change
-# Set `interval` to 0.5 or 0.1: does the pitch ever come out too large? Then ask for the smallest pitch of wider
-# benches, `min_pitch(Dragon(width=0.31))`: does 10 mm of width take 10 mm of pitch?
+# Set `interval` to 0.5 or 0.1: does the pitch ever come out too large? Then ask for the smallest
+# pitch of wider benches, `min_pitch(Dragon(width=0.31))`: does 10 mm of width take 10 mm of pitch?
 # ## Teacher
-# - From grade 11; bisection, the lesson missed-window. 45 minutes: 10 to guess, 20 on the stage, 15 to compare.
-# - Goal: bisection with a test that misses contacts converges to a wrong answer, with as many digits as the right one.
-# - Try: 451 mm; at 450 mm the head hits bench 19, 4.58 m from the centre. Samples miss it from 450.28 to 450.33 mm.
-# - Mistakes: the pitch is taken to be the width of a bench; many digits are taken for a small error.
+# - From grade 11; bisection, the lesson missed-window. 45 minutes: 10 to guess, 20 on the stage, 15
+#   to compare.
+# - Goal: bisection with a test that misses contacts converges to a wrong answer, with as many
+#   digits as the right one.
+# - Try: 451 mm; at 450 mm the head hits bench 19, 4.58 m from the centre. Samples miss it from
+#   450.28 to 450.33 mm.
+# - Mistakes: the pitch is taken to be the width of a bench; many digits are taken for a small
+#   error.

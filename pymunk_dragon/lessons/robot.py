@@ -1,9 +1,11 @@
 # %% [markdown] order=150 scene="robot-arm" axes="x (m)|y (m)"
 # # Does the arm reach the end of its path?
-# A snake arm gets into engines where no hand can reach: its 16 links go where the tip went before. You draw a path, and
-# the tip follows it at a constant speed; how fast do the joints go, and does the arm block itself?
+# A snake arm gets into engines where no hand can reach: its 16 links go where the tip went before.
+# You draw a path, and the tip follows it at a constant speed; how fast do the joints go, and does
+# the arm block itself?
 # ## Guess
-# The tip goes at 0.2 m/s along a drawn curve, with bends to both sides and a narrow loop at its end.
+# The tip goes at 0.2 m/s along a drawn curve, with bends to both sides and a narrow loop at its
+# end.
 
 # %%
 import matplotlib.pyplot as plt
@@ -19,7 +21,8 @@ arm = Dragon(
     overhang=0.02,
     width=[0.05] * 7 + [0.06] * 5 + [0.07] * 4,
 )
-# The path, as points that were tapped on a screen; the smooth curve through them is what the tip follows.
+# The path, as points that were tapped on a screen; the smooth curve through them is what the tip
+# follows.
 points = [
     (-1.9, 0),
     (-1.6, 0),
@@ -82,27 +85,35 @@ run
 
 # %% [markdown]
 # ## Answer
-# Here no joint is more than some 3 % faster or slower than the tip: both ends of a link go equally fast along it, so
-# the faster one goes more across it. But after 8.67 s the tip runs into link 13: this arm cannot follow this path.
+# Here no joint is more than some 3 % faster or slower than the tip: both ends of a link go equally
+# fast along it, so the faster one goes more across it. But after 8.67 s the tip runs into link 13:
+# this arm cannot follow this path.
 #
 # On this path, how fast is a joint compared with the tip?
 # - Half as fast: on the inside of a bend the way is shorter, but all joints go the same way.
 # - **As fast to 3 %**: from 0.194 m/s to 0.204 m/s.
-# - Twice as fast: in the dragon's turn one handle is 1.6 times as fast, but there the curvature jumps.
+# - Twice as fast: in the dragon's turn one handle is 1.6 times as fast, but there the curvature
+#   jumps.
 #
 # Does the tip get past the links that are still coming in?
 # - Yes: a point would get past, but links have a width.
 # - **No**: it meets link 13 after 8.67 s.
 # ## Check
-# The slowest speed, 0.194 m/s: see where that joint was 0.1 s before and after, and divide the distance by 0.2 s.
+# The slowest speed, 0.194 m/s: see where that joint was 0.1 s before and after, and divide the
+# distance by 0.2 s.
 # ## Try
-# Let the time run, then draw a path on which the arm gets to the end, and one that it blocks. How narrow may a bend be?
+# Let the time run, then draw a path on which the arm gets to the end, and one that it blocks. How
+# narrow may a bend be?
 # ## Change
-# Let `points` end in (0.1, 0.05), (0.2, 0), and the tip slips past. The documentation of scenario files (`make docs`)
-# describes the file that holds a dragon and its curve, for a path of your own.
+# Let `points` end in (0.1, 0.05), (0.2, 0), and the tip slips past. The documentation of scenario
+# files (`make docs`) describes the file that holds a dragon and its curve, for a path of your own.
 # ## Teacher
-# - From grade 11; Python, the lesson velocity. 60 minutes: 10 to guess, 25 on the stage, 25 to compare.
-# - Goal: a model that is not tied to its first example serves others: any chain on any smooth curve.
-# - Try: a path that keeps away from itself is free; no link can lie in a bend of a radius below half of its length.
-#   While the tip turns in a narrow bend, joints are slow: down to 0.104 m/s on the path of "Change".
-# - Mistakes: the joints of an arm are taken to turn only, and not to move along; a path is checked for its tip only.
+# - From grade 11; Python, the lesson velocity. 60 minutes: 10 to guess, 25 on the stage, 25 to
+#   compare.
+# - Goal: a model that is not tied to its first example serves others: any chain on any smooth
+#   curve.
+# - Try: a path that keeps away from itself is free; no link can lie in a bend of a radius below
+#   half of its length. While the tip turns in a narrow bend, joints are slow: down to 0.104 m/s on
+#   the path of "Change".
+# - Mistakes: the joints of an arm are taken to turn only, and not to move along; a path is checked
+#   for its tip only.

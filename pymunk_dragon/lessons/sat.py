@@ -1,9 +1,10 @@
 # %% [markdown] order=40 axes="angle (degrees)|gap between the shadows (m)"
 # # From how many sides must one look?
-# Two benches are rectangles, 2.20 m long and 0.30 m wide, at any angle to each other. How does a program find out, from
-# nothing but their corners, whether they touch?
+# Two benches are rectangles, 2.20 m long and 0.30 m wide, at any angle to each other. How does a
+# program find out, from nothing but their corners, whether they touch?
 # ## Guess
-# A lamp shines on both from far away. If there is light between their shadows on a wall, the benches are apart.
+# A lamp shines on both from far away. If there is light between their shadows on a wall, the
+# benches are apart.
 
 # %%
 import matplotlib.pyplot as plt
@@ -54,25 +55,33 @@ plt.savefig("sat.png", bbox_inches="tight")
 
 # %% [markdown]
 # ## Answer
-# Four are enough: where two rectangles are apart, a straight line fits between them, which can be shifted and turned
-# until it runs along an edge of one of them, and the edges of both run in only four directions. As long as one of the
-# four axes shows a gap they are apart, and it may be just one, as at 120 degrees; at 60 none is left.
+# Four are enough: where two rectangles are apart, a straight line fits between them, which can be
+# shifted and turned until it runs along an edge of one of them, and the edges of both run in only
+# four directions. As long as one of the four axes shows a gap they are apart, and it may be just
+# one, as at 120 degrees; at 60 none is left.
 #
 # From how many directions must you look to be sure?
 # - 2: so it is for upright rectangles, as windows on a screen.
 # - **4**: along and across each bench.
 # - 8: both have eight edges, but opposite edges are parallel.
-# - All around: one gap is proof enough, but it seems that to find it you must search all directions.
+# - All around: one gap is proof enough, but it seems that to find it you must search all
+#   directions.
 # ## Check
-# The gap at 30 degrees, 0.0701 m: the middle of B is 0.90 m above that of A; take off half the width of A, 0.15 m, and
-# half the shadow of B, $1.10 \sin 30^\circ + 0.15 \cos 30^\circ$.
+# The gap at 30 degrees, 0.0701 m: the middle of B is 0.90 m above that of A; take off half the
+# width of A, 0.15 m, and half the shadow of B, $1.10 \sin 30^\circ + 0.15 \cos 30^\circ$.
 # ## Try
-# Drag and turn the benches, and add walls. With how many walls can the benches be apart without light on any of them?
-# With enough of them: how many have light just before the benches touch, and does a fifth wall ever show more?
+# Drag and turn the benches, and add walls. With how many walls can the benches be apart without
+# light on any of them? With enough of them: how many have light just before the benches touch, and
+# does a fifth wall ever show more?
 # ## Change
-# Let `gaps` return `np.maximum(...)[:2]`, without the axes of B: at which angle is the verdict wrong?
+# Let `gaps` return `np.maximum(...)[:2]`, without the axes of B: at which angle is the verdict
+# wrong?
 # ## Teacher
-# - From grade 9; rectangles, sine and cosine. 40 minutes: 5 to guess, 20 on the stage, 15 to compare.
-# - Goal: two convex polygons are disjoint exactly if their projections on the normal of one of their edges are.
-# - Try: with three or fewer. Just before they touch, one of four walls has light, at 0° or 90° two. A fifth is useless.
-# - Mistakes: an overlap of the shadows in one direction is taken for a contact; x and y are taken to be enough.
+# - From grade 9; rectangles, sine and cosine. 40 minutes: 5 to guess, 20 on the stage, 15 to
+#   compare.
+# - Goal: two convex polygons are disjoint exactly if their projections on the normal of one of
+#   their edges are.
+# - Try: with three or fewer. Just before they touch, one of four walls has light, at 0° or 90° two.
+#   A fifth is useless.
+# - Mistakes: an overlap of the shadows in one direction is taken for a contact; x and y are taken
+#   to be enough.

@@ -1,7 +1,7 @@
 # %% [markdown] order=140 axes="time (s)|speed (m/s)"
 # # Who is the fastest in the turn?
-# In the turn inside the circle 9 m wide the head keeps a steady speed. If 2 m/s is the limit for all, who reaches it
-# first, and how fast may the head go?
+# In the turn inside the circle 9 m wide the head keeps a steady speed. If 2 m/s is the limit for
+# all, who reaches it first, and how fast may the head go?
 # ## Guess
 # Imagine the turn from above, with the head at a steady speed on both arcs.
 
@@ -48,30 +48,38 @@ plt.savefig("speed-limit.png", bbox_inches="tight")
 
 # %% [markdown]
 # ## Answer
-# Handles 3 to 7 get 1.605 times as fast as the head, so 1.246 m/s is all that it may go. Then the head has just left
-# the narrow arc while handle 1 is still on it, so the path crosses the head bench at 46 degrees in front and at 63
-# degrees behind. Both handles are equally fast along the rigid bench, so the rear one has to be 1.55 times as fast, and
-# bench 2, which lies across the point where both arcs meet, adds another 3 percent.
+# Handles 3 to 7 get 1.605 times as fast as the head, so 1.246 m/s is all that it may go. Then the
+# head has just left the narrow arc while handle 1 is still on it, so the path crosses the head
+# bench at 46 degrees in front and at 63 degrees behind. Both handles are equally fast along the
+# rigid bench, so the rear one has to be 1.55 times as fast, and bench 2, which lies across the
+# point where both arcs meet, adds another 3 percent.
 #
 # Who has to run fastest?
 # - The head: it leads, but those behind it have to make good for the angles of their benches.
 # - **Somebody close behind it**: handles 3 to 7.
-# - The tail: it is the tip of a whip, and 1.58 times as fast as the head; but a little is lost from bench to bench.
+# - The tail: it is the tip of a whip, and 1.58 times as fast as the head; but a little is lost from
+#   bench to bench.
 #
 # How fast may the head go?
 # - 2 m/s: if all went as fast as the head.
 # - 1.6 m/s: that is the ratio of the speeds, 1.605, and not the speed of the head.
 # - **About 1.25 m/s**: 1.246 m/s.
 # ## Check
-# The ratio of 1.605: type $\cos 46.0060^\circ / \cos 63.4555^\circ$ times $\cos 4.7067^\circ / \cos 15.1517^\circ$ into
-# a calculator that reckons in degrees. Bench 1 adds nothing: it is a chord of one arc, which meets it at equal angles.
+# The ratio of 1.605: type $\cos 46.0060^\circ / \cos 63.4555^\circ$ times
+# $\cos 4.7067^\circ / \cos 15.1517^\circ$ into a calculator that reckons in degrees. Bench 1 adds
+# nothing: it is a chord of one arc, which meets it at equal angles.
 # ## Try
-# Move the head to where a handle is fastest: on which arcs are they then? Slow the head until nobody exceeds 2 m/s.
+# Move the head to where a handle is fastest: on which arcs are they then? Slow the head until
+# nobody exceeds 2 m/s.
 # ## Change
-# Set `ratio` to 1.0, two equal arcs: how fast may the head go now, and where is it when the speed is largest?
+# Set `ratio` to 1.0, two equal arcs: how fast may the head go now, and where is it when the speed
+# is largest?
 # ## Teacher
-# - From grade 12; the lesson velocity, tangents of a circle. 50 minutes: 10 to guess, 20 on the stage, 20 to compare.
-# - Goal: the speeds of the two ends of a bench have the ratio $\cos a / \cos b$ of its angles to the path. Where the
-#   curvature jumps, the angles differ most, and the ratios of several benches multiply.
+# - From grade 12; the lesson velocity, tangents of a circle. 50 minutes: 10 to guess, 20 on the
+#   stage, 20 to compare.
+# - Goal: the speeds of the two ends of a bench have the ratio $\cos a / \cos b$ of its angles to
+#   the path. Where the curvature jumps, the angles differ most, and the ratios of several benches
+#   multiply.
 # - Try: the head has just left the narrow arc, and handles 3 to 7 are on the wide one. 1.246 m/s.
-# - Mistakes: a steady head is taken to mean a steady dragon; the longest lever is sought at the tail.
+# - Mistakes: a steady head is taken to mean a steady dragon; the longest lever is sought at the
+#   tail.

@@ -1,9 +1,11 @@
 # %% [markdown] order=10 axes="time (s)|turning (rad/s)"
 # # How fast do you turn to watch the head?
-# In the bench dragon, a folk dance, some 200 benches hinged end to end coil inward on a spiral. The head walks at 1 m/s
-# all the time, and you stand in the centre and turn so that you always face it. Do you turn at a steady speed too?
+# In the bench dragon, a folk dance, some 200 benches hinged end to end coil inward on a spiral. The
+# head walks at 1 m/s all the time, and you stand in the centre and turn so that you always face it.
+# Do you turn at a steady speed too?
 # ## Guess
-# At the start you turn so slowly that a whole round would take 55 s. After 400 s the head is only a third as far away.
+# At the start you turn so slowly that a whole round would take 55 s. After 400 s the head is only a
+# third as far away.
 
 # %%
 import matplotlib.pyplot as plt
@@ -11,7 +13,8 @@ import numpy as np
 
 from pymunk_dragon import Spiral
 
-# The spiral is r = k theta, and each turn is 0.55 m further out. The head starts on turn 16, 8.8 m from the centre.
+# The spiral is r = k theta, and each turn is 0.55 m further out. The head starts on turn 16, 8.8 m
+# from the centre.
 spiral = Spiral(pitch=0.55)
 speed, until = 1.0, 400
 t = np.linspace(0, until, 100 * until + 1)
@@ -38,26 +41,32 @@ plt.savefig("spiral.png", bbox_inches="tight")
 
 # %% [markdown]
 # ## Answer
-# At the distance $r$ you turn by 1 radian while the head walks about $r$ metres, so the closer it is, the further the
-# same metre turns you: 0.114 rad/s at the start, but 0.367 rad/s after 400 s. Along the curve nothing changes: on the
-# spiral $r = k \theta$ a step is $\mathrm{d}s = k \sqrt{\theta^2 + 1}\,\mathrm{d}\theta$, and $\mathrm{d}\theta$ grows
-# just as fast as the root shrinks.
+# At the distance $r$ you turn by 1 radian while the head walks about $r$ metres, so the closer it
+# is, the further the same metre turns you: 0.114 rad/s at the start, but 0.367 rad/s after 400 s.
+# Along the curve nothing changes: on the spiral $r = k \theta$ a step is
+# $\mathrm{d}s = k \sqrt{\theta^2 + 1}\,\mathrm{d}\theta$, and $\mathrm{d}\theta$ grows just as fast
+# as the root shrinks.
 #
 # How long would a round take then?
-# - Still 55 s: the head does walk steadily, but what is steady along the curve is not steady about the centre.
+# - Still 55 s: the head does walk steadily, but what is steady along the curve is not steady about
+#   the centre.
 # - **About 17 s**: 17.1 s, a third of 55 s at a third of the distance.
 # - About 6 s: as if the time fell with the square of the distance, as an area does.
 # ## Check
-# The last rate, 0.367 rad/s: divide 1 m/s by $k \sqrt{\theta^2 + 1}$, which is $\sqrt{r^2 + k^2}$, with $r = 2.724$ m
-# and $k = 0.55 / (2 \pi) = 0.0875$ m.
+# The last rate, 0.367 rad/s: divide 1 m/s by $k \sqrt{\theta^2 + 1}$, which is $\sqrt{r^2 + k^2}$,
+# with $r = 2.724$ m and $k = 0.55 / (2 \pi) = 0.0875$ m.
 # ## Try
-# The shaded angle is that of 5 s of walking. Drag the head, and note the time of a round at three distances: by which
-# rule do they depend on each other? Change the pitch, the distance from turn to turn: does the rule stay?
+# The shaded angle is that of 5 s of walking. Drag the head, and note the time of a round at three
+# distances: by which rule do they depend on each other? Change the pitch, the distance from turn to
+# turn: does the rule stay?
 # ## Change
-# With `speed` = 0.5 and `until` = 800 the head walks the same distance: which of the numbers are halved?
+# With `speed` = 0.5 and `until` = 800 the head walks the same distance: which of the numbers are
+# halved?
 # ## Teacher
-# - From grade 10; radians, speed as distance over time. 30 minutes: 5 to guess, 15 on the stage, 10 to compare.
-# - Goal: at the distance $r$ a speed $v$ across the line of sight is an angular rate $v / r$; constant speed along a
-#   curve is not constant angular rate.
+# - From grade 10; radians, speed as distance over time. 30 minutes: 5 to guess, 15 on the stage, 10
+#   to compare.
+# - Goal: at the distance $r$ a speed $v$ across the line of sight is an angular rate $v / r$;
+#   constant speed along a curve is not constant angular rate.
 # - Try: the time of a round is proportional to the distance, at every pitch.
-# - Mistakes: speed and angular rate are taken for the same; the rate is expected to fall, because circles get shorter.
+# - Mistakes: speed and angular rate are taken for the same; the rate is expected to fall, because
+#   circles get shorter.

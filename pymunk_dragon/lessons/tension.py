@@ -1,10 +1,11 @@
 # %% [markdown] order=110 scene="tension" view=[-24,0,54,10] axes="joint, from head to tail|force (N)"
 # # Which joint breaks first?
-# A head pulls 24 benches of 10 kg along a straight line, always at 1 m/s, and the ground drags at each of them: alone
-# it would lose half of its speed in a second. Which joint has the most to carry? And if the ground were ice?
+# A head pulls 24 benches of 10 kg along a straight line, always at 1 m/s, and the ground drags at
+# each of them: alone it would lose half of its speed in a second. Which joint has the most to
+# carry? And if the ground were ice?
 # ## Guess
-# Draw the force over the joints from head to tail: on the ground, on ice, and a third time where every second bench has
-# a dancer, who pushes it as hard as the ground drags at it.
+# Draw the force over the joints from head to tail: on the ground, on ice, and a third time where
+# every second bench has a dancer, who pushes it as hard as the ground drags at it.
 
 # %%
 from itertools import pairwise
@@ -18,8 +19,9 @@ from pymunk_dragon import Slider
 
 BENCHES, MASS, STEP = 24, 10.0, 0.01  # kg, s
 KEPT = 0.5  # of the speed, in a second
-# A speed that falls to a half in a second falls at the rate ln 2. Pymunk lets it fall in a step, and the joints bring
-# it back at its end: in between a bench is slower than 1 m/s, and the drag on it smaller.
+# A speed that falls to a half in a second falls at the rate ln 2. Pymunk lets it fall in a step,
+# and the joints bring it back at its end: in between a bench is slower than 1 m/s, and the drag on
+# it smaller.
 CONTINUOUS = MASS * np.log(1 / KEPT)  # N, at 1 m/s
 DRAG = MASS * (1 - KEPT**STEP) / STEP
 
@@ -98,12 +100,14 @@ plt.savefig("tension.png", bbox_inches="tight")
 
 # %% [markdown]
 # ## Answer
-# The first joint, as each of them pulls all the benches behind it: the force falls evenly from head to tail, and in
-# stairs where every second bench is pushed. On ice no one has to pull, because what moves goes on by itself.
+# The first joint, as each of them pulls all the benches behind it: the force falls evenly from head
+# to tail, and in stairs where every second bench is pushed. On ice no one has to pull, because what
+# moves goes on by itself.
 #
 # Which joint has the most to carry on the ground?
 # - **The first, behind the head**: 166 N, the drag on all 24 benches.
-# - One in the middle: a rope seems to tear where it is longest on both sides, but what is ahead of a joint pulls it.
+# - One in the middle: a rope seems to tear where it is longest on both sides, but what is ahead of
+#   a joint pulls it.
 # - The last: it is the farthest from the head, but only one bench hangs on it.
 #
 # And on ice?
@@ -111,17 +115,21 @@ plt.savefig("tension.png", bbox_inches="tight")
 # - All carry the same force: so it would be with a massless rope and a load that drags at its end.
 # - **None carries any**: at a steady speed on ice there is no force along the chain.
 # ## Check
-# The drag on a bench at 1 m/s is $10 \ln 2 = 6.93$ N, so 24 of them take 166.4 N. The engine has 6.91 N and 165.8 N: in
-# a step of 0.01 s it takes a part $1 - 0.5^{0.01}$ of 1 m/s, a little less than $0.01 \ln 2$, as the speed falls in it.
+# The drag on a bench at 1 m/s is $10 \ln 2 = 6.93$ N, so 24 of them take 166.4 N. The engine has
+# 6.91 N and 165.8 N: in a step of 0.01 s it takes a part $1 - 0.5^{0.01}$ of 1 m/s, a little less
+# than $0.01 \ln 2$, as the speed falls in it.
 # ## Try
-# Recorded: read the force in the first joint, in all three cases. Live: see "Force by joint" (a logarithmic scale),
-# take 12 dancers, then ice, "Velocity kept in 1 s" at 1. Pull at a bench. Which joint would you cut to relieve most of
-# the others?
+# Recorded: read the force in the first joint, in all three cases. Live: see "Force by joint" (a
+# logarithmic scale), take 12 dancers, then ice, "Velocity kept in 1 s" at 1. Pull at a bench. Which
+# joint would you cut to relieve most of the others?
 # ## Change
-# Set `STEP` to 0.04 and to 0.001: how does the engine's drag come near to the continuous one? Then give every bench a
-# dancer: 24 in place of 12.
+# Set `STEP` to 0.04 and to 0.001: how does the engine's drag come near to the continuous one? Then
+# give every bench a dancer: 24 in place of 12.
 # ## Teacher
-# - From grade 10; Newton's second law, drag that grows with speed. 40 minutes: 10 to draw, 15 on the stage, 15.
+# - From grade 10; Newton's second law, drag that grows with speed. 40 minutes: 10 to draw, 15 on
+#   the stage, 15.
 # - Goal: cut the chain in mind at a joint: the force there moves all that is behind the cut.
-# - Try: 166 N in the first joint, 83 N with 12 dancers, none on ice. A cut of the first joint relieves all of them.
-# - Mistakes: a force is taken to be needed for motion, also on ice; the tension is taken to be the same everywhere.
+# - Try: 166 N in the first joint, 83 N with 12 dancers, none on ice. A cut of the first joint
+#   relieves all of them.
+# - Mistakes: a force is taken to be needed for motion, also on ice; the tension is taken to be the
+#   same everywhere.

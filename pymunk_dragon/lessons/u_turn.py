@@ -1,8 +1,8 @@
 # %% [markdown] order=130 axes="ratio of the radii|length of the turn (m)"
 # # Which turn is shorter?
-# The dragon comes in on a spiral of 1.7 m a turn, goes round within a circle 9 m wide on two arcs that touch each other
-# and both spirals, and out again. In the contest the first arc has twice the radius of the second; a rival takes two
-# equal ones. Whose turn is shorter?
+# The dragon comes in on a spiral of 1.7 m a turn, goes round within a circle 9 m wide on two arcs
+# that touch each other and both spirals, and out again. In the contest the first arc has twice the
+# radius of the second; a rival takes two equal ones. Whose turn is shorter?
 # ## Guess
 # Both dragons enter the circle at the same moment, at 1 m/s.
 
@@ -28,25 +28,32 @@ plt.savefig("u-turn.png", bbox_inches="tight")
 
 # %% [markdown]
 # ## Answer
-# Both leave at once, after 13.62 m: the head leaves opposite to where it came in, and in the same direction, so the one
-# arc turns it by as much as the other turns it back, 173.1 degrees. Arcs of the same angle have the same shape, so both
-# are the same number of times as long as their chords, and these share out the diameter of 9 m.
+# Both leave at once, after 13.62 m: the head leaves opposite to where it came in, and in the same
+# direction, so the one arc turns it by as much as the other turns it back, 173.1 degrees. Arcs of
+# the same angle have the same shape, so both are the same number of times as long as their chords,
+# and these share out the diameter of 9 m.
 #
 # Which one leaves it first?
-# - The one with unequal arcs: its second arc is a short cut, but its first one is longer by as much.
-# - The one with equal arcs: what is even is often shortest, as a square among rectangles, but not here.
+# - The one with unequal arcs: its second arc is a short cut, but its first one is longer by as
+#   much.
+# - The one with equal arcs: what is even is often shortest, as a square among rectangles, but not
+#   here.
 # - **Both at once**: 13.62 m each.
 # ## Check
-# The length, 13.62 m: the path enters at $a = \arctan(2 \pi \cdot 4.5 / 1.7) = 1.5107$ radians to the diameter, which
-# is half the angle of an arc. So an arc is $a / \sin a$ times as long as its chord, both chords together are 9 m, and
-# the length is $9 a / \sin a$.
+# The length, 13.62 m: the path enters at $a = \arctan(2 \pi \cdot 4.5 / 1.7) = 1.5107$ radians to
+# the diameter, which is half the angle of an arc. So an arc is $a / \sin a$ times as long as its
+# chord, both chords together are 9 m, and the length is $9 a / \sin a$.
 # ## Try
-# Let the time run until both heads are out of the circle: who was first, and how far did each walk on its arcs? Then
-# drag the point at which your arcs meet: what becomes of the two lengths, and of the sum?
+# Let the time run until both heads are out of the circle: who was first, and how far did each walk
+# on its arcs? Then drag the point at which your arcs meet: what becomes of the two lengths, and of
+# the sum?
 # ## Change
 # Set `pitch` to 0.5 and to 5: does the length still not depend on the ratio?
 # ## Teacher
-# - From grade 11; arcs and chords, similar figures, tangents. 40 minutes: 5 to guess, 20 on the stage, 15 to compare.
-# - Goal: arcs of the same angle are similar, so their total length depends only on the sum of their chords.
+# - From grade 11; arcs and chords, similar figures, tangents. 40 minutes: 5 to guess, 20 on the
+#   stage, 15 to compare.
+# - Goal: arcs of the same angle are similar, so their total length depends only on the sum of their
+#   chords.
 # - Try: both lengths change, but their sum stays 13.62 m.
-# - Mistakes: a smaller radius is taken to mean a shorter path; the angles are taken to depend on the radii.
+# - Mistakes: a smaller radius is taken to mean a shorter path; the angles are taken to depend on
+#   the radii.

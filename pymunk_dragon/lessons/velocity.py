@@ -1,10 +1,10 @@
 # %% [markdown] order=30 axes="handle|speed (m/s)"
 # # How fast is the tail?
-# All 223 benches are rigid and hang together, and the head walks at 1 m/s. How fast is the tail, five minutes after the
-# start? And can you find its speed from two positions, a moment apart?
+# All 223 benches are rigid and hang together, and the head walks at 1 m/s. How fast is the tail,
+# five minutes after the start? And can you find its speed from two positions, a moment apart?
 # ## Guess
-# Two positions a time step apart give a speed: the angle between them, seen from the centre, times the metres in a
-# radian there, over that time.
+# Two positions a time step apart give a speed: the angle between them, seen from the centre, times
+# the metres in a radian there, over that time.
 
 # %%
 import matplotlib.pyplot as plt
@@ -41,34 +41,38 @@ plt.savefig("velocity.png", bbox_inches="tight")
 
 # %% [markdown]
 # ## Answer
-# A rigid bench keeps its length, so both its handles go equally fast along it; the front one goes at a slightly larger
-# angle to it, because the spiral is more curved there, and so has to be faster: 223 such benches leave the tail with
-# 0.9965 m/s. Two positions give the same, with an error that shrinks with the step, until they are so close, at some 10
-# microseconds (30 on the stage), that most of their digits are equal and the rounding of the last ones takes over.
+# A rigid bench keeps its length, so both its handles go equally fast along it; the front one goes
+# at a slightly larger angle to it, because the spiral is more curved there, and so has to be
+# faster: 223 such benches leave the tail with 0.9965 m/s. Two positions give the same, with an
+# error that shrinks with the step, until they are so close, at some 10 microseconds (30 on the
+# stage), that most of their digits are equal and the rounding of the last ones takes over.
 #
 # How fast is the tail?
 # - As fast as the head: so it is on a straight line and on a circle, where all angles are equal.
 # - **3.5 mm/s slower**: 0.9965 m/s.
-# - 35 mm/s slower: 223 benches seem many, but most of them lie on wide turns, where a bench loses next to nothing.
-# - 3.5 mm/s faster: on a turning wheel what is further out is faster, but here nothing turns about the centre as one.
+# - 35 mm/s slower: 223 benches seem many, but most of them lie on wide turns, where a bench loses
+#   next to nothing.
+# - 3.5 mm/s faster: on a turning wheel what is further out is faster, but here nothing turns about
+#   the centre as one.
 #
 # Which time step gives the smallest error?
 # - 1 s: a long way can be measured well, but meanwhile the speed changes.
 # - **Some tens of microseconds**: with shorter steps rounding takes over.
 # - The shorter, the better: so it is in mathematics, where numbers have all their digits.
 # ## Check
-# Handle 1's speed, 0.999709 m/s: type $\cos 16.5892^\circ / \cos 16.5332^\circ$ into a calculator that reckons in
-# degrees. The paper's table 2 has 0.999, as it cuts off what follows.
+# Handle 1's speed, 0.999709 m/s: type $\cos 16.5892^\circ / \cos 16.5332^\circ$ into a calculator
+# that reckons in degrees. The paper's table 2 has 0.999, as it cuts off what follows.
 # ## Try
-# Go to 300 s. Make the time step shorter and shorter, and note the error: by how much does it fall when the step is a
-# tenth, and from where on does it rise? Then let the dragon march on, redder where it is slower: where is speed lost?
+# Go to 300 s. Make the time step shorter and shorter, and note the error: by how much does it fall
+# when the step is a tenth, and from where on does it rise? Then let the dragon march on, redder
+# where it is slower: where is speed lost?
 # ## Change
-# Set `t` to 412: how much slower is the tail now, and which bench loses most? Then put `[0, 0]` for `.max()`, the
-# head's own error: why does rounding take over later than along the whole dragon?
+# Set `t` to 412: how much slower is the tail now, and which bench loses most? Then put `[0, 0]` for
+# `.max()`, the head's own error: why does rounding take over later than along the whole dragon?
 # ## Teacher
 # - From grade 11; components of a vector, cosine, derivative as a limit. 45 minutes: 10, 20 and 15.
-# - Goal: both ends of a rigid rod have the same velocity component along it. The error of a difference quotient has two
-#   parts: truncation shrinks with the step, rounding grows.
-# - Try: a tenth of the step leaves a tenth of the error, down to 10 microseconds. More than half of the speed is lost
-#   in the first 50 benches, where the turns are narrow.
+# - Goal: both ends of a rigid rod have the same velocity component along it. The error of a
+#   difference quotient has two parts: truncation shrinks with the step, rounding grows.
+# - Try: a tenth of the step leaves a tenth of the error, down to 10 microseconds. More than half of
+#   the speed is lost in the first 50 benches, where the turns are narrow.
 # - Mistakes: rigid is taken to mean equally fast; computers are believed to be exact.

@@ -1,6 +1,7 @@
 """Equations of a rigid chain whose handles are on a path, without units.
 
-A bench of spacing d has its front handle at the arc-length coordinate s of a path P and its rear handle at r < s, with
+A bench of spacing d has its front handle at the arc-length coordinate s of a path P and its rear
+handle at r < s, with
 |P(s) - P(r)| = d. Let alpha and beta be the angles from the bench to the path's tangent T at its front and rear handle,
 and kappa_f and kappa_r the curvatures there. Then, with e = P(s) - P(r), e . T(s) = d cos alpha and
 e . T(r) = d cos beta, and the rigid bench has
@@ -21,11 +22,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from pymunk_dragon._arrays import Array, Complex, Flags, as_complex
 
-# Passes of Newton's method, which needs 3 or 4, and of bisection, its fallback within a bracket, which needs 53.
+# Passes of Newton's method, which needs 3 or 4, and of bisection, its fallback within a bracket,
+# which needs 53.
 _MAX_PASSES = 80
 # The same for whole chains, which need 3 to 6, the last one to check the result.
 _WHOLE_PASSES = 8
-# Error of a distance, as a share of the shortest spacing, whose square, the error after the next step, is negligible.
+# Error of a distance, as a share of the shortest spacing, whose square, the error after the next
+# step, is negligible.
 _WHOLE_ERROR = 3e-7
 # The same up to which the derivatives of one pass serve the next one too.
 _SAME_DERIVATIVES = 1e-3
@@ -35,7 +38,8 @@ _WHOLE_RESIDUAL = 64
 _SAME_HANDLE = 1e-9
 # Benches that are computed one by one before the chain behind them is computed as a whole again.
 _BLOCK = 16
-# Handles of whole chains that are computed together: their temporaries stay in a processor's second cache.
+# Handles of whole chains that are computed together: their temporaries stay in a processor's second
+# cache.
 _WHOLE_HANDLES = 14_000
 # Doubles from which on NumPy takes large pages, which come up to a hundred times as fast.
 _LARGE_PAGES = 1 << 19
@@ -98,8 +102,8 @@ def rate_bounds(
 ) -> RateBounds:
     """Bounds (...) by the equations of this module with the worst signs.
 
-    `sines` are upper bounds on |sin alpha| and |sin beta|, `ratio` and `curvature` on |rho| and the absolute curvature
-    at both handles, and `cosine` is a lower bound on cos beta.
+    `sines` are upper bounds on |sin alpha| and |sin beta|, `ratio` and `curvature` on |rho| and the
+    absolute curvature at both handles, and `cosine` is a lower bound on cos beta.
     """
     front, rear = sines
     omega = (front + ratio * rear) / spacing
@@ -135,8 +139,8 @@ def chain_motion(path: Path, handles_s: Array, spacings: Array) -> ChainMotion:
 def chains(path: Path, heads: Array, spacings: Array) -> ChainMotion:
     """Chains with the heads at the coordinates (T,), as `Curve.chain` describes them.
 
-    Each chain is computed as a whole. Where this does not succeed, as its front is where the path bends sharply, a
-    block of benches is computed one by one, and then the chain behind them.
+    Each chain is computed as a whole. Where this does not succeed, as its front is where the path
+    bends sharply, a block of benches is computed one by one, and then the chain behind them.
     """
     found, converged = _whole_chains(path, heads, spacings)
     if not converged.all():
@@ -166,13 +170,14 @@ def _bench_by_bench(path: Path, heads: Array, spacings: Array) -> Array:
 def _whole_chains(path: Path, heads: Array, spacings: Array) -> tuple[ChainMotion, Flags]:
     """Chains with the heads at the coordinates (T,), each computed as a whole; and for which (T,) this succeeded.
 
-    The equation of bench i, F_i = (|P_i - P_{i+1}|^2 - d_i^2) / 2 = 0, depends on the parameters of handles i and i + 1
-    only. So each step of Newton's method solves a bidiagonal system: with A_i and -B_i, the derivatives of F_i by
-    these two, the steps are x_0 = 0, x_{i+1} = (A_i x_i + F_i) / B_i. The products R of the ratios A / B solve it in
-    closed form, x = R cumsum(F / (B R)). They are also the velocity ratios of the chain in this parameter.
+    The equation of bench i, F_i = (|P_i - P_{i+1}|^2 - d_i^2) / 2 = 0, depends on the parameters of
+    handles i and i + 1 only. So each step of Newton's method solves a bidiagonal system: with A_i
+    and -B_i, the derivatives of F_i by these two, the steps are x_0 = 0, x_{i+1} = (A_i x_i + F_i)
+    / B_i. The products R of the ratios A / B solve it in closed form, x = R cumsum(F / (B R)). They
+    are also the velocity ratios of the chain in this parameter.
 
-    A chain is accepted where all distances are the spacings to rounding, and each handle is the nearest one back along
-    the path.
+    A chain is accepted where all distances are the spacings to rounding, and each handle is the
+    nearest one back along the path.
     """
     handles = spacings.size + 1
     found = _empty(heads.size, handles)
@@ -268,8 +273,8 @@ def rear_handle(path: Path, s: Array, chord: float) -> Array:
 def _nearest(path: Path, handles_s: Array, spacings: Array) -> Flags:
     """Whether each rear handle of chains (H, T) at these distances is the one that `rear_handle` finds; (T,)."""
     fronts, rears, reach = handles_s[:-1], handles_s[1:], np.pi / 2 * spacings[:, None]
-    # Where the path is gentle as in `gentle_offsets`, it is the only one within reach: with one bound on the curvature
-    # for the whole chain, or with one for each bench.
+    # Where the path is gentle as in `gentle_offsets`, it is the only one within reach: with one
+    # bound on the curvature for the whole chain, or with one for each bench.
     back = fronts - rears
     found = (back > 0) & (back <= reach)
     curvature = path.max_curvature(handles_s[-1] - reach.max(initial=0), handles_s[0])
@@ -289,8 +294,9 @@ def _nearest(path: Path, handles_s: Array, spacings: Array) -> Flags:
 def gentle_offsets(path: Path, s: Array, chord: float) -> tuple[Array, Array, Flags]:
     """Offsets back from `s` (T,) that bracket the handle behind, and whether the path is gentle there (T,).
 
-    Where the path is no more curved than a circle with the chord as its diameter, the straight distance grows over half
-    that circle's circumference, and the arc to the handle is no longer than the circle's arc.
+    Where the path is no more curved than a circle with the chord as its diameter, the straight
+    distance grows over half that circle's circumference, and the arc to the handle is no longer
+    than the circle's arc.
     """
     sine = np.maximum(path.max_curvature(s - np.pi / 2 * chord, s) * chord / 2, _SMALLEST_STEP)
     # Longer by at least one last digit, so that the bracket on a straight line is not empty.
@@ -333,8 +339,9 @@ def rear_between(path: Path, s: Array, chord: float, low: Array, high: Array) ->
 def _bracket(path: Path, s: Array, chord: float) -> tuple[Array, Array]:
     """Offsets back from `s`, each (T,), that bracket the first point at distance `chord`, growing from `s` on.
 
-    Let d be the distance at the offset h, and g the derivative of d^2 / 2. The derivative of g is at least
-    1 - K (d + h) where the curvature is at most K. So a step of h is safe while g + h (1 - K (d + h)) is not negative.
+    Let d be the distance at the offset h, and g the derivative of d^2 / 2. The derivative of g is
+    at least 1 - K (d + h) where the curvature is at most K. So a step of h is safe while g + h (1 -
+    K (d + h)) is not negative.
     """
     fronts = as_complex(path.point(s))
     before, offset, distance, growth = np.zeros((4, s.size))

@@ -41,7 +41,8 @@ class Contact:
     benches : tuple of int
         Their numbers, the smaller one first.
     point, normal, depth : tuple of float and float
-        Point of the contact, m, unit vector from the first bench towards the second, and overlap at `raw_time`, m.
+        Point of the contact, m, unit vector from the first bench towards the second, and overlap at
+        `raw_time`, m.
 
     Examples
     --------
@@ -72,8 +73,8 @@ class ContactEvent:
     points, normal, depth
         One or two contact points, m, and as in `Contact`.
     relative_velocity, impulse : tuple of float or None
-        Velocity of the second bench relative to the first, at the middle of the points, m/s, and impulse on the second
-        bench, N s; the impulse only in `post_solve`.
+        Velocity of the second bench relative to the first, at the middle of the points, m/s, and
+        impulse on the second bench, N s; the impulse only in `post_solve`.
 
     Examples
     --------

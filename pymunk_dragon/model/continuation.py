@@ -1,25 +1,29 @@
 """The state of a chain that continuous motion along a curve leads to, jackknifed benches included.
 
-In the notation of `chain.py`, a bench has F(s, r) = (|P(s) - P(r)|^2 - d^2) / 2 = 0, whose derivatives are
-A = e . T(s) by s and -B = -e . T(r) by r. While B > 0, r is a smooth function g(s) with g' = A / B (implicit function
-theorem): the bench pushes its rear handle back where A < 0 (jackknife), and motion goes on. Motion ends at a fold,
-B = 0, where the bench is perpendicular to the path at its rear handle, and where r reaches the curve's begin.
+In the notation of `chain.py`, a bench has F(s, r) = (|P(s) - P(r)|^2 - d^2) / 2 = 0, whose
+derivatives are A = e . T(s) by s and -B = -e . T(r) by r. While B > 0, r is a smooth function g(s)
+with g' = A / B (implicit function theorem): the bench pushes its rear handle back where A < 0
+(jackknife), and motion goes on. Motion ends at a fold, B = 0, where the bench is perpendicular to
+the path at its rear handle, and where r reaches the curve's begin.
 
-So g depends on s alone, not on the motion that led to s, and the whole chain is a composition of such functions.
-Two facts make g certain:
+So g depends on s alone, not on the motion that led to s, and the whole chain is a composition of
+such functions. Two facts make g certain:
 
-- Where the path is less curved than a circle with the bench as its diameter, over half that circle's circumference back
-  (pi / 2 d from s), A and B are positive, and the rear handle is the only one within that length: the "gentle"
-  case, in which `Curve.chain` finds it. This is checked with the curve's own bound on its curvature.
-- Elsewhere g is followed in cells. From a root (s0, r0), and with bounds K_s and K_r on the curvature near both
-  handles, |F(s, r0)| <= |A| h + M_s h^2 / 2 for |s - s0| <= h, and B decreases by no more than h + M_r p for
+- Where the path is less curved than a circle with the bench as its diameter, over half that
+  circle's circumference back (pi / 2 d from s), A and B are positive, and the rear handle is the
+  only one within that length: the "gentle" case, in which `Curve.chain` finds it. This is checked
+  with the curve's own bound on its curvature.
+- Elsewhere g is followed in cells. From a root (s0, r0), and with bounds K_s and K_r on the
+  curvature near both handles, |F(s, r0)| <= |A| h + M_s h^2 / 2 for |s - s0| <= h, and B decreases
+  by no more than h + M_r p for
   |r - r0| <= p, where M = 1 + K times the longest distance in the cell. If |A| h + M_s h^2 / 2 < p (B - h - M_r p),
-  then for every s of the cell F changes sign once and only once within |r - r0| <= p. No other branch can be met,
-  however long the step.
+  then for every s of the cell F changes sign once and only once within |r - r0| <= p. No other
+  branch can be met, however long the step.
 
-Handles that move back and forth may pass the end of the next bench's g and return, although motion has ended there.
-What counts is the range of each handle since the start. The image of an interval under g is known from its ends and
-from the coordinates between them where A = 0, so these ranges are followed along the chain as well.
+Handles that move back and forth may pass the end of the next bench's g and return, although motion
+has ended there. What counts is the range of each handle since the start. The image of an interval
+under g is known from its ends and from the coordinates between them where A = 0, so these ranges
+are followed along the chain as well.
 """
 
 from __future__ import annotations
@@ -40,15 +44,18 @@ from pymunk_dragon.model.chain import (
 )
 from pymunk_dragon.model.curves.base import Curve
 
-# Shares of a spacing: grid on which the curvature is checked, and longest half cell in either coordinate.
+# Shares of a spacing: grid on which the curvature is checked, and longest half cell in either
+# coordinate.
 _GRID, _WINDOW = 0.25, 0.125
 # Cells of the grid that are checked at once.
 _GRID_CELLS = 4096
 # Share of the longest step that is proven, to cover its rounding.
 _SAFE = 0.9
-# Share of a spacing. Shorter steps only approach a fold: its coordinate is then known to about this.
+# Share of a spacing. Shorter steps only approach a fold: its coordinate is then known to about
+# this.
 _SHORTEST = 1e-13
-# Share of a spacing. Longest step where A may vanish: two reversals in it displace the rear handle negligibly.
+# Share of a spacing. Longest step where A may vanish: two reversals in it displace the rear handle
+# negligibly.
 _REVERSAL = 1e-4
 # Points per pass in which A = 0 is located in a cell, and passes: to 1e-12 of the cell.
 _SECTIONS, _PASSES = 17, 10
@@ -61,9 +68,10 @@ _MAX_CELLS = 100_000
 class Continuation:
     """States of a chain with spacings (N,) that moves continuously from where `Curve.chain` has it for `head`, m.
 
-    No result depends on earlier calls, not even in its last digits: the cells that are kept between calls are the same
-    whichever call needs them first, and each coordinate is computed from one cell. The other heads of a call, and the
-    number of handles, may change the last digits, as Newton's method goes on until all have converged.
+    No result depends on earlier calls, not even in its last digits: the cells that are kept between
+    calls are the same whichever call needs them first, and each coordinate is computed from one
+    cell. The other heads of a call, and the number of handles, may change the last digits, as
+    Newton's method goes on until all have converged.
     """
 
     def __init__(self, curve: Curve, head: float, spacings: Array) -> None:
@@ -182,13 +190,14 @@ class _Branch:
 
     def __init__(self, curve: Curve, chord: float, front: float, rear: float) -> None:
         self._curve, self._chord, self._start = curve, chord, (front, rear)
-        # By direction: the state reached last, None where the function ends, and the cells, each with the coordinate at
-        # which it ends and a bracket of the rear handle's. A cell includes the end that is farther from the start: at
-        # the other one, the cell before it is known already. So more cells never change what is found.
+        # By direction: the state reached last, None where the function ends, and the cells, each
+        # with the coordinate at which it ends and a bracket of the rear handle's. A cell includes
+        # the end that is farther from the start: at the other one, the cell before it is known
+        # already. So more cells never change what is found.
         self._tips: dict[int, tuple[float, float] | None] = {-1: self._start, 1: self._start}
         self._cells: dict[int, list[tuple[float, float, float]]] = {-1: [], 1: []}
-        # Coordinates of both handles at reversals; fronts between which there may be one, and how far two of them there
-        # may move the rear handle, m.
+        # Coordinates of both handles at reversals; fronts between which there may be one, and how
+        # far two of them there may move the rear handle, m.
         self._reversals: list[tuple[float, float]] = []
         self._possible_reversals: list[tuple[float, float, float]] = []
         self._join()
@@ -331,8 +340,9 @@ class _Branch:
         step = _SAFE * min(
             2 * room / (slope + float(np.sqrt(slope**2 + 2 * own * room))), behind / 4, window
         )
-        # For each metre, A changes by no more than `own` and the rear handle's rate. B stays above half of itself less
-        # the step, so that rate is at most 8 |A| / B as long as A keeps its sign.
+        # For each metre, A changes by no more than `own` and the rear handle's rate. B stays above
+        # half of itself less the step, so that rate is at most 8 |A| / B as long as A keeps its
+        # sign.
         change = own + 8 * abs(ahead) / behind
         certain = _SAFE * abs(ahead) / change
         if step <= certain:

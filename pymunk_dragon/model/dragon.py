@@ -38,15 +38,15 @@ class Dragon:
     Parameters
     ----------
     benches : int
-        Number of benches N, from 2 to 10,000, the head and the tail included. By default 223, or the number for which
-        a sequence has sizes.
+        Number of benches N, from 2 to 10,000, the head and the tail included. By default 223, or
+        the number for which a sequence has sizes.
     head_spacing : float
         Distance between the two holes of the head, m, as all sizes from 0.001 to 100.
     body_spacing : float or sequence of float
         The same of every other bench, m: of all, or of each, N - 1.
     overhang : float or sequence of float
-        From a hole's centre to the bench end beside it, m: of all benches, or of each, N. The overhangs of the benches
-        before and after another one are together shorter than its spacing.
+        From a hole's centre to the bench end beside it, m: of all benches, or of each, N. The
+        overhangs of the benches before and after another one are together shorter than its spacing.
     width : float or sequence of float
         Width, m: of all benches, or of each, N.
 

@@ -25,9 +25,11 @@ from pymunk_dragon.model.speed import MAX_SPEED, MAX_TIME, MIN_SPEED, SpeedTable
 
 # m before the start. At this distance a double still resolves 0.1 nm.
 _MAX_RETREAT = 1e5
-# m between a curve's begin and the last handle of a dragon that starts there: a thousand rounding errors.
+# m between a curve's begin and the last handle of a dragon that starts there: a thousand rounding
+# errors.
 _CLEAR_OF_BEGIN = 1e-9
-# Share of a time, and s: sums of steps may be later than the end of the curve by some thousand rounding errors.
+# Share of a time, and s: sums of steps may be later than the end of the curve by some thousand
+# rounding errors.
 _SAME_TIME = 1e-12
 
 
@@ -128,8 +130,9 @@ class March:
     curve : Curve
         The path of the handles. A spiral's pitch must be larger than the benches' width.
     turns, start_s : float, optional
-        Turn of a spiral, or coordinate in m, at which handle 0 is at t = 0. By default turn 16; on another curve the
-        first coordinate at which the whole dragon is on the curve, or 0 if the curve comes from infinity.
+        Turn of a spiral, or coordinate in m, at which handle 0 is at t = 0. By default turn 16; on
+        another curve the first coordinate at which the whole dragon is on the curve, or 0 if the
+        curve comes from infinity.
     speed : float or SpeedTable
         Speed of handle 0, m/s, from 1e-6 to 20. `SpeedTable.of` makes a table of a function.
 
@@ -208,7 +211,8 @@ class March:
     def span(self, start: float, until: float) -> tuple[float, float]:
         """Range of coordinates that a picture of the curve shows, m: from its begin to its end, if it has these.
 
-        Else it begins with the last handle at `start` s, or at 0 s if that has none, and ends with handle 0 at `until`.
+        Else it begins with the last handle at `start` s, or at 0 s if that has none, and ends with
+        handle 0 at `until`.
         """
         start, until = (
             finite(name, time, -np.inf, np.inf, "s")
@@ -259,15 +263,17 @@ class March:
     def at(self, times: ArrayLike, handles: int | None = None) -> States:
         """Exact states of the first `handles` (all by default) at `times` (T,) in s.
 
-        Earlier calls change nothing. The other times of a call, and the number of handles, may change the last digits:
-        positions by some 1e-13 m.
+        Earlier calls change nothing. The other times of a call, and the number of handles, may
+        change the last digits: positions by some 1e-13 m.
 
-        A time may be so early that the head is 100 km before its start. Where continuous motion has ended for a handle,
-        an UnreachableError has the first such time, and the first such handle then.
+        A time may be so early that the head is 100 km before its start. Where continuous motion has
+        ended for a handle, an UnreachableError has the first such time, and the first such handle
+        then.
         """
         handles_s, points, tangents, rates = self.motion(times, handles)
         t = numbers("times", times).flatten()
-        # Signed along the path: a head at more than a right angle to its bench pushes the rear handle back.
+        # Signed along the path: a head at more than a right angle to its bench pushes the rear
+        # handle back.
         rates *= self.speed_profile.at(t)[:, None]
         tangents.real *= rates
         tangents.imag *= rates

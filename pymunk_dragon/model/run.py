@@ -1,6 +1,7 @@
 """Runs, which the engine or the exact model produced, and their files.
 
-A file of a run is a NumPy archive (.npz) of arrays and of notes as JSON, read without trust in its contents.
+A file of a run is a NumPy archive (.npz) of arrays and of notes as JSON, read without trust in its
+contents.
 """
 
 from __future__ import annotations
@@ -51,12 +52,13 @@ _KINDS: dict[str, Any] = {
     "pose_velocities": np.float32,
     "joint_forces": np.float32,
 }
-# s: the least time between frames whose difference is a velocity. A rounding error of a position, 1e-14 m, changes the
-# velocity by 1e-7 m/s, as an acceleration of 1 m/s^2 does in this time.
+# s: the least time between frames whose difference is a velocity. A rounding error of a position,
+# 1e-14 m, changes the velocity by 1e-7 m/s, as an acceleration of 1 m/s^2 does in this time.
 _LEAST_DIFFERENCE = 1e-7
 # Name and version of the format of files, the only one that is read.
 _FORMAT, _FORMAT_VERSION = "pymunk_dragon run", 3
-# Bytes that a file may unpack to, or this many times its size: packing makes callbacks ten times smaller.
+# Bytes that a file may unpack to, or this many times its size: packing makes callbacks ten times
+# smaller.
 _MAX_UNPACKED, _MAX_RATIO = 512_000_000, 10
 
 
@@ -71,15 +73,16 @@ class Run(ArrayRecord):
     march : March
         The motion that was played.
     times : ndarray, shape (F,)
-        Times of the frames, s, rising. After a contact that ended the run, the last one is the contact's.
+        Times of the frames, s, rising. After a contact that ended the run, the last one is the
+        contact's.
     poses : ndarray, shape (F, N, 3)
         Pose of every bench: centre in m, angle in rad.
     drift : ndarray, shape (F, N)
-        Position error of each bench's worse hole, m; nan where the exact model has no state. Single precision, as the
-        next two.
+        Position error of each bench's worse hole, m; nan where the exact model has no state. Single
+        precision, as the next two.
     pose_velocities : ndarray, shape (F, N, 3), optional
-        Rates of change of `poses`: m/s, m/s, rad/s. By default differences of the poses; frames that are less than
-        1e-7 s apart have the same.
+        Rates of change of `poses`: m/s, m/s, rad/s. By default differences of the poses; frames
+        that are less than 1e-7 s apart have the same.
     joint_forces : ndarray, shape (F, N - 1), optional
         Mean force in pivot i, of benches i and i + 1, in the substep that ended at the frame, N.
     events, first_contact : ContactLog and Contact, optional
@@ -87,9 +90,10 @@ class Run(ArrayRecord):
     outcome : {"contact", "clear", "unreachable"}
         Whether a contact came, none came until the end, or the curve ended first.
     provenance : mapping
-        JSON values, of which these attributes are read, None if unknown: `player` ("pymunk" or "exact"), `guide`,
-        `settings` (an `EngineSettings`), `start` in s, number of `substeps`, `versions` of Python and libraries; and
-        `free_from`, the first of the benches that no guide holds on the path, None if all are held.
+        JSON values, of which these attributes are read, None if unknown: `player` ("pymunk" or
+        "exact"), `guide`, `settings` (an `EngineSettings`), `start` in s, number of `substeps`,
+        `versions` of Python and libraries; and `free_from`, the first of the benches that no guide
+        holds on the path, None if all are held.
     wall_seconds, step_seconds : float, optional
         Duration of the stepping loop, and of the engine's steps in it, s. They are not saved.
 
@@ -266,8 +270,9 @@ class Run(ArrayRecord):
     def poses_at(self, times: ArrayLike) -> Array:
         """Poses (T, N, 3) at any times, s: m, m, rad. Before and after the run, those of its first and last frame.
 
-        Between two frames, they are cubic Hermite polynomials of time. But for an impact between them, their error is
-        at most the interval to the fourth times the fourth derivative over 384: 0.02 um on a turn of 2.3 m radius.
+        Between two frames, they are cubic Hermite polynomials of time. But for an impact between
+        them, their error is at most the interval to the fourth times the fourth derivative over
+        384: 0.02 um on a turn of 2.3 m radius.
         """
         return self._motion_at(times)[0]
 

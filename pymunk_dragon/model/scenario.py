@@ -1,17 +1,14 @@
 """Scenarios: what a user chooses, by flags or in a TOML file, and from which the march is made.
 
-Every command takes a dragon, a curve and a speed as flags, or as a file (`--scenario FILE.toml`; flags win). In a file,
-sizes may be lists with one value for each bench, the speed a table or the name of a CSV file, and the curve a path
-through points or their CSV file:
+Every command takes a dragon, a curve and a speed as flags, or as a file (`--scenario FILE.toml`;
+flags win). In a file, sizes may be lists with one value for each bench, the speed a table or the
+name of a CSV file, and the curve a path through points or their CSV file:
 
 ```toml
-# tractor.toml
-head_spacing = 2.6
-body_spacing = [4.5, 3.0, 6.0]
-overhang = [0.6, 0.5, 0.4, 0.7]
-width = [1.8, 2.2, 1.6, 2.4]
-speed = [[0, 0.5], [5, 2.0], [20, 1.5]]  # at which second how many m/s
-points = [[-30, 0], [-10, 0], [6, 2], [13, 12], [8, 22], [-4, 22], [-9, 12], [-8, 0], [-8, -20]]  # m
+# tractor.toml head_spacing = 2.6 body_spacing = [4.5, 3.0, 6.0] overhang = [0.6, 0.5, 0.4, 0.7]
+width = [1.8, 2.2, 1.6, 2.4] speed = [[0, 0.5], [5, 2.0], [20, 1.5]]  # at which second how many m/s
+points = [[-30, 0], [-10, 0], [6, 2], [13, 12], [8, 22], [-4, 22], [-9, 12], [-8, 0], [-8, -20]]  #
+m
 ```
 
 ```console
@@ -28,9 +25,9 @@ benches = 12
 [curve]
 kind = "composite"
 pieces = [
-    { kind = "line", stop = [30, 0] },
-    { kind = "arc", centre = [30, 3], radius = 3, begin_angle = -1.5707963267948966, sweep = 3.141592653589793 },
-    { kind = "line", start = [30, 6], stop = [0, 6] },
+    { kind = "line", stop = [30, 0] }, { kind = "arc", centre = [30, 3], radius = 3, begin_angle =
+    -1.5707963267948966, sweep = 3.141592653589793 }, { kind = "line", start = [30, 6], stop = [0,
+    6] },
 ]
 ```
 
@@ -56,7 +53,8 @@ from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March, check_march
 from pymunk_dragon.model.speed import SpeedTable
 
-# A key such as a.b.c of so many parts that tomllib, whose time grows with their square, would take minutes.
+# A key such as a.b.c of so many parts that tomllib, whose time grows with their square, would take
+# minutes.
 _LONG_KEY = re.compile(r"""(?<![\w-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){20}""")
 # What a file of points or of speeds is called.
 _CSV = ".csv"
@@ -77,9 +75,9 @@ class Scenario:
     benches, head_spacing, body_spacing, overhang, width, turns, start_s
         As in `Dragon` and `March`.
     curve : str, Curve or mapping
-        "spiral", "u-turn", "sampled" for a `Sampled` path through `points`, or a CSV file of these points. Any other
-        registered curve is given as itself or as a table, ``{kind = "line", start = [0, 0], stop = [40, 0]}`` in
-        TOML; the tables of a `Composite` are its ``pieces``.
+        "spiral", "u-turn", "sampled" for a `Sampled` path through `points`, or a CSV file of these
+        points. Any other registered curve is given as itself or as a table,
+        ``{kind = "line", start = [0, 0], stop = [40, 0]}`` in TOML; the tables of a `Composite` are its ``pieces``.
     pitch, rotation, outward, radius, ratio, points
         As in `Spiral`, `UTurn` and `Sampled`.
     speed : float, sequence of (float, float) or str
@@ -125,7 +123,8 @@ class Scenario:
     def from_dict(cls, values: Mapping[str, Any], *, files: bool = True) -> Scenario:
         """Scenario from the names of all parameters, or from tables `dragon` and `curve` as `to_dict` gives them.
 
-        Parameters at the top level have precedence. `files` is whether a curve or a speed may be the name of a file.
+        Parameters at the top level have precedence. `files` is whether a curve or a speed may be
+        the name of a file.
 
         Examples
         --------

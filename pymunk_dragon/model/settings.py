@@ -9,23 +9,27 @@ from typing import Literal, get_args
 from pymunk_dragon._checks import finite, positive, whole, word
 from pymunk_dragon.errors import ParameterError
 
-# Response to contacts: end the run, go on and record them, or let the engine push the benches apart.
+# Response to contacts: end the run, go on and record them, or let the engine push the benches
+# apart.
 _Contacts = Literal["stop", "report", "resolve"]
 
-# Metres that the head travels in one substep, and solver iterations in it; `physics` has the drift of other values.
+# Metres that the head travels in one substep, and solver iterations in it; `physics` has the drift
+# of other values.
 _STRIDE, _ITERATIONS = 1 / 50, 10
-# The same where contacts are resolved: with 10 iterations gaps in the loaded joints are five times as wide.
+# The same where contacts are resolved: with 10 iterations gaps in the loaded joints are five times
+# as wide.
 _RESOLVE_STRIDE, _RESOLVE_ITERATIONS = 1 / 200, 60
 # m. Longer substeps skip over a bench; shorter ones than the least take days for a march.
 MAX_STRIDE, _MIN_STRIDE = 0.1, 1e-5
-# Ground drag, per metre marched (per second at 1 m/s). It has to be faster than Pymunk's correction of joint errors,
-# 6.3 per second (its error_bias, 0.9 ** 60): the docstring of `physics` says why.
+# Ground drag, per metre marched (per second at 1 m/s). It has to be faster than Pymunk's correction
+# of joint errors, 6.3 per second (its error_bias, 0.9 ** 60): the docstring of `physics` says why.
 _DRAG = 11.5
 # Largest force of the head's motor, in units of the ground drag on what the head has to pull.
 _HEAD_FORCE = 2.0
 # More sweeps per substep than any chain needs to converge.
 _MAX_ITERATIONS = 100_000
-# Largest values, and units. With the largest drag a body keeps nothing of its velocity in a substep of 10 mm.
+# Largest values, and units. With the largest drag a body keeps nothing of its velocity in a substep
+# of 10 mm.
 _LIMITS = {
     "substep": (1e9, "s"),
     "drag": (1e4, "per metre"),
@@ -41,19 +45,23 @@ class EngineSettings:
     Parameters
     ----------
     contacts : {"stop", "report", "resolve"}
-        At the first contact of benches that are not neighbours: end the run, go on and only record contacts, or go on
-        and let the engine push the benches apart. Resolved, the head is pulled along the march by a motor of finite
-        force, and the dancers stop where the head cannot go on.
+        At the first contact of benches that are not neighbours: end the run, go on and only record
+        contacts, or go on and let the engine push the benches apart. Resolved, the head is pulled
+        along the march by a motor of finite force, and the dancers stop where the head cannot go
+        on.
     substep, iterations : float and int, optional
-        Length of a step, s, and solver iterations in it. By default the time in which the head travels 20 mm, and 10;
-        5 mm and 60 where contacts are resolved.
+        Length of a step, s, and solver iterations in it. By default the time in which the head
+        travels 20 mm, and 10; 5 mm and 60 where contacts are resolved.
     drag : float
-        Ground drag on the benches, per metre marched: velocities decay at this rate times the head's top speed.
+        Ground drag on the benches, per metre marched: velocities decay at this rate times the
+        head's top speed.
     frame_interval : float, optional
-        Time between recorded frames, s, rounded to whole substeps; by default the time in which the head travels 0.1 m.
+        Time between recorded frames, s, rounded to whole substeps; by default the time in which the
+        head travels 0.1 m.
     head_force : float, optional
-        Largest force of the head's motor, N, where contacts are resolved. By default twice the ground drag on what the
-        head pulls: on itself where dancers walk (0.47 kN for the contest's at 1 m/s), on all benches without a guide.
+        Largest force of the head's motor, N, where contacts are resolved. By default twice the
+        ground drag on what the head pulls: on itself where dancers walk (0.47 kN for the contest's
+        at 1 m/s), on all benches without a guide.
 
     Examples
     --------
@@ -87,8 +95,9 @@ class EngineSettings:
     def resolved(self, *, top_speed: float, pulled_mass: float) -> EngineSettings:
         """The settings with numbers for `substep`, `iterations` and, where contacts are resolved, for `head_force`.
 
-        `top_speed` is the highest one of the head, m/s, and `pulled_mass` that of the benches on which the head has to
-        balance the ground drag, kg. In a substep the head may travel from 0.01 mm to 0.1 m.
+        `top_speed` is the highest one of the head, m/s, and `pulled_mass` that of the benches on
+        which the head has to balance the ground drag, kg. In a substep the head may travel from
+        0.01 mm to 0.1 m.
         """
         top_speed = positive("top_speed", top_speed, math.inf, "m/s")
         pulled_mass = positive("pulled_mass", pulled_mass, math.inf, "kg")

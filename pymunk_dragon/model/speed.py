@@ -74,8 +74,9 @@ class SpeedTable:
     ) -> SpeedTable:
         """Table of a function from a time in s to a speed in m/s, with an entry every `step` s from `start` to `until`.
 
-        Choose a step in which the speed changes little: the march goes at the speed of the table exactly, which
-        differs from the function by step**2 / 8 times the function's second derivative.
+        Choose a step in which the speed changes little: the march goes at the speed of the table
+        exactly, which differs from the function by step**2 / 8 times the function's second
+        derivative.
 
         Examples
         --------
@@ -153,11 +154,13 @@ class SpeedTable:
         """Times, speeds, accelerations after each (m/s^2) and distances, (K,) each: of the entries and of time 0."""
         times = np.unique([*self.times, 0.0])
         speeds = np.interp(times, self.times, self.speeds)
-        # Between entries, which are no less than a microsecond apart; the time 0 may be next to one.
+        # Between entries, which are no less than a microsecond apart; the time 0 may be next to
+        # one.
         slopes = np.concatenate([[0.0], np.diff(self.speeds) / np.diff(self.times), [0.0]])
         accelerations = slopes[np.searchsorted(self.times, times, side="right")]
         steps = np.diff(times) * (speeds[:-1] + speeds[1:]) / 2
-        # From time 0 in both directions: a table that begins long before must not add rounding errors near 0.
+        # From time 0 in both directions: a table that begins long before must not add rounding
+        # errors near 0.
         zero = int(np.searchsorted(times, 0.0))
         distances = np.concatenate(
             [-np.cumsum(steps[:zero][::-1])[::-1], [0.0], np.cumsum(steps[zero:])]

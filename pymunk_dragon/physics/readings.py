@@ -20,7 +20,8 @@ from pymunk_dragon.errors import ParameterError
 
 # Impulse in the row of a contact point that has no arrow: that of its pair is in another row.
 NO_ARROW = -1.0
-# Joints whose impulses are torques times the length of a step; those of all others are forces times it.
+# Joints whose impulses are torques times the length of a step; those of all others are forces times
+# it.
 _ROTARY = (
     pymunk.DampedRotarySpring,
     pymunk.GearJoint,
@@ -101,16 +102,17 @@ class Readings:
 class JointForces:
     """Forces and torques of the joints of a space in its last step.
 
-    `Constraint.impulse` is a sum J, with which the solver goes on in the next step. In a step that is c times as long
-    as the one before, Pymunk 7.3.1 begins with c times the impulse, and yet adds to J itself. So the impulse that a
-    joint gives in step n is J_n + (c - 1) J_(n-1); it is J_n where c = 1. This needs J_(n-1), which `before_step`
-    reads. Springs begin anew in each step.
+    `Constraint.impulse` is a sum J, with which the solver goes on in the next step. In a step that
+    is c times as long as the one before, Pymunk 7.3.1 begins with c times the impulse, and yet adds
+    to J itself. So the impulse that a joint gives in step n is J_n + (c - 1) J_(n-1); it is J_n
+    where c = 1. This needs J_(n-1), which `before_step` reads. Springs begin anew in each step.
 
-    Pymunk tells the sizes of J_n and J_(n-1), not their directions. The forces are right if both have the same
-    direction, which a force has that changes little from step to step. They are not after a change of the step in which
-    the force turns round. Nor are they if steps alternate between two lengths, one of them more than 2.6 times as long
-    as the other: then J changes its sign and grows without limit, because each error of J is multiplied by
-    -(k - 1)²/k, where k is the ratio of the lengths.
+    Pymunk tells the sizes of J_n and J_(n-1), not their directions. The forces are right if both
+    have the same direction, which a force has that changes little from step to step. They are not
+    after a change of the step in which the force turns round. Nor are they if steps alternate
+    between two lengths, one of them more than 2.6 times as long as the other: then J changes its
+    sign and grows without limit, because each error of J is multiplied by -(k - 1)²/k, where k is
+    the ratio of the lengths.
     """
 
     def __init__(self, space: pymunk.Space) -> None:
@@ -207,13 +209,15 @@ def joint_at(
 class Contacts:
     """Contact points of a space in its last step, with normals and impulses.
 
-    Normals point from the older body of a pair to the younger one: the space's own static body is the oldest, and the
-    others are as old as `Space.bodies` lists them. Pymunk's order of two shapes of one type changes from step to step.
+    Normals point from the older body of a pair to the younger one: the space's own static body is
+    the oldest, and the others are as old as `Space.bodies` lists them. Pymunk's order of two shapes
+    of one type changes from step to step.
 
-    Impulses are corrected for a change of the step as those in `JointForces`, but as vectors. Where a pair touches
-    again within `Space.collision_persistence` steps, Pymunk 7.3.1 counts its earlier impulse once more, which is
-    subtracted. Pymunk tells only the sum over a pair's two points, and of pairs of shapes only the bodies: the impulse
-    is not exact in a step of another length in which one of two points is lost, or one of several pairs of two bodies.
+    Impulses are corrected for a change of the step as those in `JointForces`, but as vectors. Where
+    a pair touches again within `Space.collision_persistence` steps, Pymunk 7.3.1 counts its earlier
+    impulse once more, which is subtracted. Pymunk tells only the sum over a pair's two points, and
+    of pairs of shapes only the bodies: the impulse is not exact in a step of another length in
+    which one of two points is lost, or one of several pairs of two bodies.
     """
 
     def __init__(self, space: pymunk.Space) -> None:
@@ -326,7 +330,8 @@ def _codes(flags: Any, bodies: Any) -> Array:
 def impulse_of(arbiter: pymunk.Arbiter, before: pymunk.Vec2d, ratio: float) -> pymunk.Vec2d:
     """Impulse on the first shape of a pair in this step, for `post_solve`; see `Contacts`.
 
-    `before` is `Arbiter.total_impulse` in `pre_solve`, and `ratio` that of the step's length to that of the one before.
+    `before` is `Arbiter.total_impulse` in `pre_solve`, and `ratio` that of the step's length to
+    that of the one before.
     """
     share = 0.0 if arbiter.is_first_contact else ratio
     return arbiter.total_impulse + (share - 1) * before
@@ -343,10 +348,11 @@ def arbiter_rows(arbiter: pymunk.Arbiter, swapped: bool, impulse: float) -> list
 class Touches:
     """Pairs of shapes that touch, to notice when one begins to.
 
-    A pair touches if Pymunk calls `begin` for it: sensors do, and pairs that no solver moves, as a kinematic body on a
-    static one, or one that `begin` has switched off. So it is found from the shapes; a callback would take the place of
-    one of the user's. Two static shapes never touch, nor do shapes of one body, of bodies whose joint has
-    `collide_bodies` switched off, or of which a filter rejects the other.
+    A pair touches if Pymunk calls `begin` for it: sensors do, and pairs that no solver moves, as a
+    kinematic body on a static one, or one that `begin` has switched off. So it is found from the
+    shapes; a callback would take the place of one of the user's. Two static shapes never touch, nor
+    do shapes of one body, of bodies whose joint has `collide_bodies` switched off, or of which a
+    filter rejects the other.
     """
 
     def __init__(self, space: pymunk.Space) -> None:
@@ -424,11 +430,13 @@ def body_at(
 def energies(space: pymunk.Space) -> dict[str, float]:
     """Energy and momentum of all bodies that move, by their titles in `QUANTITIES`.
 
-    A body's position is where its own origin is; its velocity and its moment are those of its centre of mass, and its
-    gravity acts there. An infinite moment has no energy, as its rotation never changes. What sleeps is at rest.
+    A body's position is where its own origin is; its velocity and its moment are those of its
+    centre of mass, and its gravity acts there. An infinite moment has no energy, as its rotation
+    never changes. What sleeps is at rest.
 
-    Potential energy is that of `Space.gravity` and of springs, up to the force that `max_force` allows them. It has no
-    part of forces that the user's functions choose: `velocity_func`, `force_func` and `torque_func`.
+    Potential energy is that of `Space.gravity` and of springs, up to the force that `max_force`
+    allows them. It has no part of forces that the user's functions choose: `velocity_func`,
+    `force_func` and `torque_func`.
     """
     dynamic = [body for body in space.bodies if body.body_type == pymunk.Body.DYNAMIC]
     moving = [body for body in dynamic if not body.is_sleeping]

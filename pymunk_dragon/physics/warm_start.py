@@ -11,12 +11,14 @@ import pymunk
 
 from pymunk_dragon._arrays import Array
 
-# Of each bench but the first: the pivot to the bench before, and pins to bodies with a position of their own.
+# Of each bench but the first: the pivot to the bench before, and pins to bodies with a position of
+# their own.
 _Joints = Sequence[tuple[pymunk.PivotJoint, Sequence[pymunk.PinJoint]]]
 
 # kg: the impulse of a joint changes the velocity of such a body by less than the rounding of 1 m/s.
 _HEAVY = 1e30
-# Added to the diagonal of the equations, in units of its largest number, as joints of a guide may repeat each other.
+# Added to the diagonal of the equations, in units of its largest number, as joints of a guide may
+# repeat each other.
 _REGULARISATION = 1e-14
 
 
@@ -25,10 +27,11 @@ def _balanced_impulses(
 ) -> list[Array]:
     """Impulses that leave no relative velocity at the joints: x and y of each pivot's, one number for each pin, N s.
 
-    `poses` (N, 3) and `velocities` (N, 3) without the joints are in m, m, rad and per s. `inverse_masses` (N, 3) are
-    one over the mass, twice, and over the moment; zeros where the velocity is given. The joints of a bench share a
-    body with those of its two neighbours only. So the equations are block-tridiagonal, and elimination takes a time
-    that grows with N; the solver's sweeps need a time that grows with the cube of N.
+    `poses` (N, 3) and `velocities` (N, 3) without the joints are in m, m, rad and per s.
+    `inverse_masses` (N, 3) are one over the mass, twice, and over the moment; zeros where the
+    velocity is given. The joints of a bench share a body with those of its two neighbours only. So
+    the equations are block-tridiagonal, and elimination takes a time that grows with N; the
+    solver's sweeps need a time that grows with the cube of N.
     """
     diagonals, uppers, rights = [], [], []
     own = np.zeros((0, 3))
@@ -84,9 +87,10 @@ def set_impulses(
 ) -> None:
     """Give the joints the impulses in balance, with which the solver begins the next step of `substep` s.
 
-    Pymunk has no setter for them, so a step is made in which each joint may have the size of its impulse at most, its
-    bodies have a velocity of 1 m/s in the impulse's direction, and they are so heavy that no impulse slows them.
-    Afterwards the benches have their masses and `poses`, but still these velocities.
+    Pymunk has no setter for them, so a step is made in which each joint may have the size of its
+    impulse at most, its bodies have a velocity of 1 m/s in the impulse's direction, and they are so
+    heavy that no impulse slows them. Afterwards the benches have their masses and `poses`, but
+    still these velocities.
     """
     impulses = _balanced_impulses(joints, poses, velocities, inverse_masses)
     dynamic = [body for body in space.bodies if body.body_type == pymunk.Body.DYNAMIC]

@@ -1,10 +1,11 @@
 """Data of the player page: sizes, positions and velocities over time, and events.
 
-Positions and velocities are packed as short texts, which decode.js unpacks. Components are counted in steps from an
-origin. The text has the fourth differences of the counts over time, which are near zero where the motion is smooth.
-Counts fit into 32 bits and differences are taken modulo 2^32, so that any jump is restored exactly. Signed numbers are
-folded (0, -1, 1, -2 become 0, 1, 2, 3) and split into planes of bytes, the lowest first: the high bytes of small
-numbers are runs of zeros, which compress well.
+Positions and velocities are packed as short texts, which decode.js unpacks. Components are counted
+in steps from an origin. The text has the fourth differences of the counts over time, which are near
+zero where the motion is smooth. Counts fit into 32 bits and differences are taken modulo 2^32, so
+that any jump is restored exactly. Signed numbers are folded (0, -1, 1, -2 become 0, 1, 2, 3) and
+split into planes of bytes, the lowest first: the high bytes of small numbers are runs of zeros,
+which compress well.
 """
 
 from __future__ import annotations
@@ -24,18 +25,23 @@ from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run, position_errors
 from pymunk_dragon.reports.summary import Summary
 
-# Steps as fractions of a bench's width: 0.2 micrometres of positions at the contest's 0.3 m, so that a gap between two
-# benches is known to a thousandth of a millimetre, and 0.5 of the exact model's offsets, or a share of the largest.
+# Steps as fractions of a bench's width: 0.2 micrometres of positions at the contest's 0.3 m, so
+# that a gap between two benches is known to a thousandth of a millimetre, and 0.5 of the exact
+# model's offsets, or a share of the largest.
 STEP, _EXACT_STEP, _EXACT_SHARE = 1 / 1_500_000, 1 / 600_000, 1e-5
-# Step of velocities times the frame interval, in steps of positions: both change interpolated positions equally.
+# Step of velocities times the frame interval, in steps of positions: both change interpolated
+# positions equally.
 _VELOCITY_STEP = 4
-# Differences between the offsets' lengths and the position errors of a run, m, that come from rounding.
+# Differences between the offsets' lengths and the position errors of a run, m, that come from
+# rounding.
 _ROUNDING = 1e-9
-# Order of the differences. The paper's run takes 2.7 MB at order 2, 1.8 MB at order 3 and 1.1 MB at order 4.
+# Order of the differences. The paper's run takes 2.7 MB at order 2, 1.8 MB at order 3 and 1.1 MB at
+# order 4.
 _ORDER = 4
 # Steps from the origin in either direction: the range of 32 bits, less one for rounding.
 _MAX_COUNT = 2**31 - 2
-# Largest distance of the drawn curve from the true one as a fraction of a bench's width: 0.1 mm at the contest's 0.3 m.
+# Largest distance of the drawn curve from the true one as a fraction of a bench's width: 0.1 mm at
+# the contest's 0.3 m.
 CURVE_ERROR = 1 / 3000
 # Samples of the curvature, and largest number of points of the curve in a page.
 _CURVE_SAMPLES, MAX_CURVE_POINTS = 4000, 20_000
@@ -78,8 +84,8 @@ def player_data(summary: Summary) -> tuple[dict[str, Any], dict[str, str]]:
 def pack(vectors: Array, step: float, *, from_zero: bool = False) -> _Packed:
     """Pack `vectors` (F, H, 2) in steps of `step`, or larger ones where they exceed the range of 32 bits.
 
-    They are counted from zero, which is then exact, or from the middle of their range. A component is off by at most
-    half a step.
+    They are counted from zero, which is then exact, or from the middle of their range. A component
+    is off by at most half a step.
     """
     low, high = vectors.min(axis=(0, 1)), vectors.max(axis=(0, 1))
     origin = np.zeros(2) if from_zero else (low + high) / 2
@@ -112,8 +118,8 @@ def _handle_vectors(front: Array, rear: Array) -> Array:
 def _contact_windows(run: Run) -> list[dict[str, Any]]:
     """Contact windows of pairs by beginning; without an `end` if the benches still touch when the run ends.
 
-    The log begins a window at the end of a substep. The window of the first contact begins at the contact's time, and
-    exists even if no event was logged.
+    The log begins a window at the end of a substep. The window of the first contact begins at the
+    contact's time, and exists even if no event was logged.
     """
     windows, first = [asdict(window) for window in run.events.windows()], run.first_contact
     if first is not None:
@@ -134,13 +140,15 @@ def _contact_windows(run: Run) -> list[dict[str, Any]]:
 def curve_points(march: March, start: float, end: float) -> Array:
     """Points (P, 2) in m of the curve over `March.span`, closer where the curvature is larger.
 
-    The span begins at the dragon's position at 0 s even if the run from `start` to `end` s is later.
+    The span begins at the dragon's position at 0 s even if the run from `start` to `end` s is
+    later.
     """
     curve = march.curve
     s = np.linspace(*march.span(min(start, 0.0), max(end, 0.0)), _CURVE_SAMPLES)
-    # A chord c of a curve with the curvature k has an error of k c^2 / 8; this is the number of chords between samples.
-    # On straight parts chords are three times as long as the shortest: the page leaves out points in a distant view,
-    # and a chord across a joint must not be much further off than others.
+    # A chord c of a curve with the curvature k has an error of k c^2 / 8; this is the number of
+    # chords between samples. On straight parts chords are three times as long as the shortest: the
+    # page leaves out points in a distant view, and a chord across a joint must not be much further
+    # off than others.
     curvature = curve.max_curvature(s[:-1], s[1:])
     curvature = np.where(curvature > 0, curvature, curvature.max() / 9)
     chords = np.sqrt(curvature / (8 * CURVE_ERROR * float(march.dragon.widths.min()))) * np.diff(s)
@@ -153,8 +161,8 @@ def curve_points(march: March, start: float, end: float) -> Array:
 def _exact_offsets(run: Run) -> Array | None:
     """Vectors (K, H, 2) in m from the handles to the exact model's, in the first K frames, where the model has a state.
 
-    None in a run of the exact model, and if the run's position errors are unknown or refer to other times, as after a
-    change of the speed in a live session.
+    None in a run of the exact model, and if the run's position errors are unknown or refer to other
+    times, as after a change of the speed in a live session.
     """
     if run.player == "exact":
         return None

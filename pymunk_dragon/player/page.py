@@ -37,7 +37,8 @@ def write_player(run: Run, path: str | Path, *, title: str | None = None) -> Non
     Parameters
     ----------
     run, path, title : Run, path, str, optional
-        The run, the file, which ends in .html, and the heading. An interruption leaves the old file or none.
+        The run, the file, which ends in .html, and the heading. An interruption leaves the old file
+        or none.
 
     Raises
     ------
@@ -51,7 +52,8 @@ def write_player(run: Run, path: str | Path, *, title: str | None = None) -> Non
     """
     destination, page = check_destination(path, PLAYER_ENDINGS), player_page(run, title=title)
     with written_in_place(destination) as draft:
-        # Bytes, since text mode would convert line ends, and the hashes of script and style would no longer match.
+        # Bytes, since text mode would convert line ends, and the hashes of script and style would
+        # no longer match.
         draft.write_bytes(page.encode("utf-8"))
 
 
@@ -61,7 +63,8 @@ def player_page(run: Run, *, title: str | None = None) -> str:
     Parameters
     ----------
     run : Run
-        The run to show. A run of the exact model has no contacts of its own; the exact first contact is added.
+        The run to show. A run of the exact model has no contacts of its own; the exact first
+        contact is added.
     title : str, optional
         Heading of the page; by default the result of the run.
 
@@ -72,11 +75,12 @@ def player_page(run: Run, *, title: str | None = None) -> str:
 
     Notes
     -----
-    The page's `dragon` is a promise of an object that controls the player. A page that holds it in a frame without a
-    sandbox may call `frame.contentWindow.dragon.then((player) => player.seek(409.8))`. A link has the same effect:
-    `#t=409.8&follow=head`. `show=curve,contacts,exact` chooses what is drawn, `slow=off` switches slow motion off, and
-    `lang=zh`, or `?zh` before the `#`, chooses Chinese. Only the page of a run of the engine has the exact model's
-    positions.
+    The page's `dragon` is a promise of an object that controls the player. A page that holds it in
+    a frame without a sandbox may call
+    `frame.contentWindow.dragon.then((player) => player.seek(409.8))`. A link has the same effect:
+    `#t=409.8&follow=head`. `show=curve,contacts,exact` chooses what is drawn, `slow=off` switches
+    slow motion off, and `lang=zh`, or `?zh` before the `#`, chooses Chinese. Only the page of a run
+    of the engine has the exact model's positions.
 
     Examples
     --------

@@ -25,12 +25,14 @@ from pymunk_dragon.model.march import March, check_march
 _TABLE_TIMES = (0.0, 60.0, 120.0, 180.0, 240.0, 300.0)
 # Columns of a worksheet: limit of the format.
 _MAX_COLUMNS = 16_384
-# Creation date in the file's properties: constant, in the year of the contest, so that equal contents give equal bytes.
+# Creation date in the file's properties: constant, in the year of the contest, so that equal
+# contents give equal bytes.
 _CREATED = datetime(2024, 9, 5)
 # Names of handles in the templates: head, n-th body bench, tail, rear of the tail.
 _HEAD, _BODY, _TAIL = "龙头", "第{}节龙身", "龙尾"
 _LAST = "龙尾（后）"  # noqa: RUF001  # The template's own brackets.
-# m or m/s: added to magnitudes before truncation, so that 8.8 m or 1 m/s with a rounding error keep their digits.
+# m or m/s: added to magnitudes before truncation, so that 8.8 m or 1 m/s with a rounding error keep
+# their digits.
 _ROUNDING_TOLERANCE = 1e-11
 
 
@@ -120,7 +122,8 @@ def _write_sheets(
                     sheet.set_column(1, len(labels), 11)
                     sheet.freeze_panes(1, 1)
                     sheet.write_row(0, 1, labels)
-                    # Six decimals, as the contest requires; adding 0 turns the -0.0 of a tiny number into 0.0.
+                    # Six decimals, as the contest requires; adding 0 turns the -0.0 of a tiny
+                    # number into 0.0.
                     for row, cells in enumerate(np.round(values, 6) + 0.0, start=1):
                         sheet.write_string(row, 0, names[row - 1])
                         sheet.write_row(row, 1, cells.tolist(), number)

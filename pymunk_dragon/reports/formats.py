@@ -45,10 +45,11 @@ _CSV_COLUMNS += [
     "relative_velocity_y_m_s",
 ]
 _CSV_COLUMNS += ["impulse_x_N_s", "impulse_y_N_s", "gap_m"]
-# Pixels: width and height of a still, twice the displayed size for screens with a pixel ratio of two.
+# Pixels: width and height of a still, twice the displayed size for screens with a pixel ratio of
+# two.
 _STILL_SIZE = 880
-# m: least width of the close-up around the head, and its ratio to the distance of the contact from the head: that of an
-# unguided run may be far away.
+# m: least width of the close-up around the head, and its ratio to the distance of the contact from
+# the head: that of an unguided run may be far away.
 _CLOSE_SPAN, _CLOSE_MARGIN = 6.0, 3.0
 
 
@@ -60,14 +61,15 @@ def report(run: Run, path: str | Path) -> None:
     run : Run
         Run to report on.
     path : path
-        File to write; the ending selects the format: .json (all contents; see `Summary.to_dict`), .csv (near misses,
-        contacts and callbacks, by time), .md or .html (one self-contained file with pictures, and with a chart if
-        matplotlib is installed).
+        File to write; the ending selects the format: .json (all contents; see `Summary.to_dict`),
+        .csv (near misses, contacts and callbacks, by time), .md or .html (one self-contained file
+        with pictures, and with a chart if matplotlib is installed).
 
     Raises
     ------
     ParameterError, MissingExtraError, OutputError
-        If the file cannot be created or `run` is not a Run, Jinja2 is not installed (HTML), or writing fails.
+        If the file cannot be created or `run` is not a Run, Jinja2 is not installed (HTML), or
+        writing fails.
 
     Examples
     --------

@@ -18,7 +18,8 @@ from pymunk_dragon.model.contact import Contact
 from pymunk_dragon.model.run import HEAD_BENCHES, Run
 from pymunk_dragon.model.speed import SpeedTable
 
-# Name and version of the JSON format. The version changes when a key is added, removed or changes its meaning.
+# Name and version of the JSON format. The version changes when a key is added, removed or changes
+# its meaning.
 _SCHEMA, VERSION = "pymunk_dragon report", 2
 # Fields of a `FirstContact` under the key `exact`; near misses have a key of their own.
 _EXACT_FIELDS = ("status", "time", "benches", "point", "normal")
@@ -95,9 +96,10 @@ class Summary:
     def to_dict(self) -> dict[str, Any]:
         """Summary as JSON values in SI units; None stands for unknown values and nan.
 
-        `scenario`, `settings` and `versions` describe the run, `outcome` its end, `events` the callbacks and `windows`
-        the time intervals of contact; `exact` and `near_misses` come from the exact model, and `drift` has the largest
-        position errors. Nothing depends on the time of day.
+        `scenario`, `settings` and `versions` describe the run, `outcome` its end, `events` the
+        callbacks and `windows` the time intervals of contact; `exact` and `near_misses` come from
+        the exact model, and `drift` has the largest position errors. Nothing depends on the time of
+        day.
         """
         run, exact = self.run, self.exact
         values = {
@@ -135,7 +137,8 @@ def summarize(run: Run) -> Summary:
     if run.first_contact and run.free_from is None:
         until = min(run.march.end, max(until, 2 * until - start))
     exact = None
-    # A run of a single frame, or times beyond the end of the curve, as in an edited file, have no result.
+    # A run of a single frame, or times beyond the end of the curve, as in an edited file, have no
+    # result.
     with suppress(ParameterError, UnreachableError):
         exact = first_contact(run.march, start=start, until=until)
     summary = Summary(run=run, exact=exact)

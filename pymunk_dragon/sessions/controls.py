@@ -34,13 +34,16 @@ class Slider:
     Parameters
     ----------
     name, low, high, value : str, float, float, float, optional
-        Name, range, and value at the start, by default that of the argument of this name, or of the space.
+        Name, range, and value at the start, by default that of the argument of this name, or of the
+        space.
     rebuilds, action : bool, callable, optional
-        Whether a change builds the space again, with the value as the argument `name` of the function; otherwise
-        ``action(space, value)`` is called, or "step", ms, "gravity", "damping" or "iterations" is set. The lengths of
-        steps approach a new "step" by 1 % each, so that the change does not jolt the joints.
+        Whether a change builds the space again, with the value as the argument `name` of the
+        function; otherwise ``action(space, value)`` is called, or "step", ms, "gravity", "damping"
+        or "iterations" is set. The lengths of steps approach a new "step" by 1 % each, so that the
+        change does not jolt the joints.
     label, unit, logarithmic, whole : str, str, bool, bool
-        Text on the page in place of the name, unit, kind of the scale, and whether values are whole numbers.
+        Text on the page in place of the name, unit, kind of the scale, and whether values are whole
+        numbers.
 
     Examples
     --------

@@ -24,11 +24,12 @@ from pymunk_dragon.sessions.scene import PlaySettings, Scene
 
 Values = Mapping[str, float]
 
-# Distance from its exact pose, in widths, at which the head counts as blocked: its motor has to follow without reaching
-# it. And share of its full speed that the march then loses in a metre.
+# Distance from its exact pose, in widths, at which the head counts as blocked: its motor has to
+# follow without reaching it. And share of its full speed that the march then loses in a metre.
 _HEAD_LAG, _BRAKING = 1 / 50, 10.0
-# mm that the head travels in a step, twice as many as in `simulate` where contacts are resolved, and half its
-# iterations: 223 benches take a tenth of real time. With the most benches two cores keep up with real time.
+# mm that the head travels in a step, twice as many as in `simulate` where contacts are resolved,
+# and half its iterations: 223 benches take a tenth of real time. With the most benches two cores
+# keep up with real time.
 _STRIDE, _ITERATIONS, _MAX_BENCHES = 10.0, 30, 500
 # Number of all obstacles among those of benches: the static body is older than they are.
 _OBSTACLE = -1
@@ -69,7 +70,8 @@ class DragonScene(Scene):
         # Rows of the contacts of pairs that touch, and of those in the step before.
         self._touching: dict[tuple[int, ...], list[tuple[float, ...]]] = {}
         self._touched = self._touching
-        # Impulses of pairs at `pre_solve`, which belong to earlier steps, and this step's length over that of the last.
+        # Impulses of pairs at `pre_solve`, which belong to earlier steps, and this step's length
+        # over that of the last.
         self._earlier: dict[tuple[pymunk.Shape, ...], pymunk.Vec2d] = {}
         self._ratio = 1.0
         self.space.on_collision(pre_solve=self._touch, data=False)

@@ -68,11 +68,12 @@ class Live(AbstractContextManager["Live"]):
     def step(self, dt: float) -> None:
         """Make a step of `dt` s, in place of ``space.step(dt)``, in a program that makes the steps itself.
 
-        The program waits here until the step is due: in real time, or while the page has paused it. An exception in a
-        callback is raised here, and does not pause the session; one in a chart or a control is shown on the page.
+        The program waits here until the step is due: in real time, or while the page has paused it.
+        An exception in a callback is raised here, and does not pause the session; one in a chart or
+        a control is shown on the page.
 
-        In a notebook, show the session in an earlier cell, and run the loop when the page is there: ipykernel 7.4 takes
-        the first message of a page only between cells.
+        In a notebook, show the session in an earlier cell, and run the loop when the page is there:
+        ipykernel 7.4 takes the first message of a page only between cells.
         """
         self._session.step(dt)
 
@@ -119,18 +120,20 @@ def live(
 ) -> Live:
     """Step a march or any Pymunk space in real time, and show it in a browser, where it can be touched.
 
-    Give a function that builds the space: it is called at the start and at each reset, which then repeats the run to
-    the bit. A space that is given gets back all that Pymunk lets a program change; where bodies touch, its run may then
-    differ. The session that is returned steps the space in a thread of its own. Change the space in `on_step`, in the
-    actions of controls and in Pymunk's callbacks, or from other threads in `Live.paused`.
+    Give a function that builds the space: it is called at the start and at each reset, which then
+    repeats the run to the bit. A space that is given gets back all that Pymunk lets a program
+    change; where bodies touch, its run may then differ. The session that is returned steps the
+    space in a thread of its own. Change the space in `on_step`, in the actions of controls and in
+    Pymunk's callbacks, or from other threads in `Live.paused`.
 
     Parameters
     ----------
     what : March, pymunk.Space, callable or str, optional
-        A march, a space, a function that returns one, with the values of sliders as arguments, or the
-        name of a built-in scene.
+        A march, a space, a function that returns one, with the values of sliders as arguments, or
+        the name of a built-in scene.
     step : float, optional
-        Length of a step of a space, s. None for a program with a loop of its own, which makes the steps by `Live.step`.
+        Length of a step of a space, s. None for a program with a loop of its own, which makes the
+        steps by `Live.step`.
     on_step : callable, optional
         Function of the space and the time, s, that is called before each step.
     controls : sequence of Slider, Button, Key and PygameEvents
@@ -140,7 +143,8 @@ def live(
     events : list of str, optional
         List to which your functions append texts, which the page shows as events.
     y_down, units, paused, browser : bool, str, bool, bool
-        Whether y points down, unit of length ("px"), whether to begin paused, and whether to open a browser.
+        Whether y points down, unit of length ("px"), whether to begin paused, and whether to open a
+        browser.
     host, port, allow_hosts : str, int, sequence of str
         Address to listen on; port, 0 for a free one; and names under which a proxy shows the page.
 

@@ -18,8 +18,8 @@ from pymunk_dragon.sessions.messages import Input, Set, read_input
 from pymunk_dragon.sessions.scene import Scene
 from pymunk_dragon.sessions.scenes import recorded_scene
 
-# A recording as JSON: the scene (`plan`), first values of sliders, `inputs` with the number of steps before each, and
-# the number of steps and the poses at the end.
+# A recording as JSON: the scene (`plan`), first values of sliders, `inputs` with the number of
+# steps before each, and the number of steps and the poses at the end.
 Log = dict[str, Any]
 
 # Inputs of a recording: two hours of a mouse that never rests.
@@ -75,7 +75,8 @@ class Replay:
     def step(self, scene: Scene, recording: Recording) -> float | None:
         """Make the next step, after the inputs before it.
 
-        After the last one, return the largest difference of the poses from those of the log, m or rad.
+        After the last one, return the largest difference of the poses from those of the log, m or
+        rad.
         """
         while self._inputs and self._inputs[0][0] <= scene.steps:
             _, message = self._inputs.popleft()

@@ -29,10 +29,10 @@ class FirstState:
 
     `restore` changes the same objects and makes no copies, since functions of the user's hold them.
 
-    The run is not repeated to the bit where bodies touch. Pymunk 7.3.1 gives shapes new numbers when
-    they are added again, finds contacts in another order, and starts contacts without the impulses
-    that they had. Nor can one read the neighbours of segments, the groups in which bodies sleep, and
-    callbacks that wait for the end of a step.
+    The run is not repeated to the bit where bodies touch. Pymunk 7.3.1 gives shapes new numbers
+    when they are added again, finds contacts in another order, and starts contacts without the
+    impulses that they had. Nor can one read the neighbours of segments, the groups in which bodies
+    sleep, and callbacks that wait for the end of a step.
     """
 
     def __init__(self, space: pymunk.Space) -> None:
@@ -228,8 +228,8 @@ def _outline(shape: Any) -> tuple[float, list[Any]]:
 def _set_outline(shape: Any, radius: float, points: Sequence[Any]) -> None:
     """Set radius and points of a shape if they have changed.
 
-    In Pymunk 7.3.1 new points turn the normal of a segment round. They come last, since the area of a
-    polygon is computed with its radius where its points are set.
+    In Pymunk 7.3.1 new points turn the normal of a segment round. They come last, since the area of
+    a polygon is computed with its radius where its points are set.
     """
     present_radius, present_points = _outline(shape)
     if present_radius != radius:

@@ -29,7 +29,8 @@ from pymunk_dragon.physics.substep import next_length
 from pymunk_dragon.sessions.controls import Button, Key, PygameEvents, Slider, slider_around
 from pymunk_dragon.web.frames import in_binary, packed
 
-# Largest acceleration by a hand, in m/s^2, as in Box2D's testbed; in scenes larger than this size, more.
+# Largest acceleration by a hand, in m/s^2, as in Box2D's testbed; in scenes larger than this size,
+# more.
 _HAND_ACCELERATION, _HAND_SIZE = 1000.0, 10.0
 # Share of the distance to the pointer that is left after a second, as in Pymunk's examples.
 _HAND_BIAS = (1 - 0.15) ** 60
@@ -48,7 +49,8 @@ class PlaySettings:
     events: list[str] | None = None
     y_down: bool = False
     units: str = "m"
-    # Centre, width and height of the area to show at first; by default that of all shapes and joints.
+    # Centre, width and height of the area to show at first; by default that of all shapes and
+    # joints.
     field: tuple[float, float, float, float] | None = None
 
 

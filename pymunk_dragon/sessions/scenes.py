@@ -36,7 +36,8 @@ class SceneSource:
     lesson: str | None = None
     # Builds the scene with values of sliders.
     build: Callable[[Values], Scene]
-    # What a recording keeps in order to build the scene again; None for a scene that cannot be recorded.
+    # What a recording keeps in order to build the scene again; None for a scene that cannot be
+    # recorded.
     saved_as: Mapping[str, Any] | None = None
     # Whether `build` changes a space of the user's, and does not build one.
     given: bool = False
@@ -137,7 +138,8 @@ def add(
 ) -> Any:
     """Add a scene, whose text is the docstring of `build`; return `build`.
 
-    With `PlaySettings`, `build` returns a space; without, it returns a scene from values of sliders.
+    With `PlaySettings`, `build` returns a space; without, it returns a scene from values of
+    sliders.
     """
     make = space_scene(build, PlaySettings(**settings)).build if settings else build
     SCENES[name] = SceneSource(

@@ -26,13 +26,15 @@ from pymunk_dragon.sessions.client import Client
 from pymunk_dragon.sessions.page import live_page
 from pymunk_dragon.sessions.session import Session
 
-# Messages of a client in a second: the others wait, and a client of which so many had to wait is disconnected.
+# Messages of a client in a second: the others wait, and a client of which so many had to wait is
+# disconnected.
 _MOST_MESSAGES, _MOST_DELAYED = 500, 5000
 # Bytes of a message; and what may wait for a client: one that does not take it is disconnected.
 _MAX_BYTES, _MAX_WAITING = 16_384, 1000
 # Clients at once, and those of them who only watch: places are kept for those who control.
 _MAX_CLIENTS, _MAX_WATCHERS = 220, 200
-# s after which a client that does not answer is disconnected; in which inputs are saved; for the last bytes.
+# s after which a client that does not answer is disconnected; in which inputs are saved; for the
+# last bytes.
 _HEARTBEAT, _SAVE_TIME, _STOP_TIME = 20.0, 10.0, 0.5
 _LOOPBACK = ("localhost", "127.0.0.1", "::1")
 _HEADERS = {
@@ -217,7 +219,8 @@ class Server:
         sending, due, delayed = asyncio.create_task(client.send()), 0.0, 0
         try:
             async for message in connection:
-                # A second's messages may come at once; then nothing is read from this client for a while.
+                # A second's messages may come at once; then nothing is read from this client for a
+                # while.
                 due = max(due, self._loop.time() - 1) + 1 / _MOST_MESSAGES
                 if (wait := due - self._loop.time()) > 0:
                     delayed += 1

@@ -59,11 +59,13 @@ _LIBRARIES = (str(Path(__file__).parents[1]), str(Path(pymunk.__file__).parent))
 class Session:
     """A scene in motion, with its clients.
 
-    `turn` makes all progress. A thread calls it after `start`; a program with a loop of its own calls `step`, which
-    calls it; without threads, call it again after the time that it returns, or when a client has sent a message.
+    `turn` makes all progress. A thread calls it after `start`; a program with a loop of its own
+    calls `step`, which calls it; without threads, call it again after the time that it returns, or
+    when a client has sent a message.
 
-    There is one lock, `held`, while a turn is made: a program that holds it may change the space. `Clients` and
-    `Waiting` each have a lock of their own, while which is held no other of these is taken.
+    There is one lock, `held`, while a turn is made: a program that holds it may change the space.
+    `Clients` and `Waiting` each have a lock of their own, while which is held no other of these is
+    taken.
     """
 
     def __init__(
@@ -118,7 +120,8 @@ class Session:
     def step(self, length: float) -> None:
         """Make a step of a program that makes the steps itself, when it is due: messages and frames go on meanwhile.
 
-        An error in the step is raised here, and does not pause the session, which nobody might resume.
+        An error in the step is raised here, and does not pause the session, which nobody might
+        resume.
         """
         if self.scene.settings.step is not None:
             raise ParameterError(
@@ -208,7 +211,8 @@ class Session:
         Returns
         -------
         float
-            Time, s, after which something is due if no message comes: 0 for at once, inf if nothing is due.
+            Time, s, after which something is due if no message comes: 0 for at once, inf if nothing
+            is due.
         """
         with self.held:
             for action in self._waiting.take():

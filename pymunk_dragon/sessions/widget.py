@@ -20,7 +20,8 @@ from pymunk_dragon.web.html import asset, data_address
 
 # Frames on the way to the page, at most; the page acknowledges every third one.
 MOST_FRAMES = 6
-# s without a message, of which the page sends one every 5 s, after which nothing is sent: queues have no bound.
+# s without a message, of which the page sends one every 5 s, after which nothing is sent: queues
+# have no bound.
 SILENCE = 15.0
 # What the widget sends for the page.
 REQUEST = "page"
@@ -29,7 +30,8 @@ REQUEST = "page"
 class LiveWidget(Client, AnyWidget):
     """The page of a session, in a frame; a text from it is a message, a number that of a frame that it has drawn.
 
-    The notebook stores the traits that are synchronized: the page is none, and is sent when the widget requests it.
+    The notebook stores the traits that are synchronized: the page is none, and is sent when the
+    widget requests it.
     """
 
     _esm = asset(__package__, "assets/widget.js")
@@ -81,8 +83,9 @@ class LiveWidget(Client, AnyWidget):
     def _post(self, content: dict[str, Any], buffers: Sequence[bytes] = ()) -> None:
         """Send in the context of the page's newest message.
 
-        ipykernel 7.4 has an answer taken by the thread that took the message in whose context the question was sent. A
-        page's messages may have a thread of their own; the cells' one takes none while a cell runs.
+        ipykernel 7.4 has an answer taken by the thread that took the message in whose context the
+        question was sent. A page's messages may have a thread of their own; the cells' one takes
+        none while a cell runs.
         """
         # A copy, as other threads may send at the same time.
         self._context.copy().run(self.send, content, list(buffers))
@@ -94,7 +97,8 @@ class LiveWidget(Client, AnyWidget):
             return
         self._heard = perf_counter()
         if content == 0 or self not in self.session.clients:
-            # A page that begins anew has none of the frames that were sent before, and holds no body.
+            # A page that begins anew has none of the frames that were sent before, and holds no
+            # body.
             self.session.leave(self)
             self._drawn = self._sent
             self.session.join(self)

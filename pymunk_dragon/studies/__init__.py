@@ -26,29 +26,30 @@ limit:     handles 3 to 7 go 1.6047933790 times as fast as the head
 certified: no handle exceeds that by more than 1e-11 of it
 ```
 
-An independent method, from formulas alone and in 34 to 50 digits, agrees with all five answers to 12 decimals and more;
-`python tests/bench/bench.py answers` prints both beside each other.
+An independent method, from formulas alone and in 34 to 50 digits, agrees with all five answers to
+12 decimals and more; `python tests/bench/bench.py answers` prints both beside each other.
 
-The contest's own sheets are written by `positions --times 0:300:1 -o result1.xlsx`, `contact -o result2.xlsx` and
-`study u-turn --no-search -o result4.xlsx`.
+The contest's own sheets are written by `positions --times 0:300:1 -o result1.xlsx`,
+`contact -o result2.xlsx` and `study u-turn --no-search -o result4.xlsx`.
 
 ## What each answer rests on
 
-- **The smallest pitch.** The zero of the gap of the two benches that touch, over the pitch, with `first_contact` on
-  both sides, because the time intervals in which benches touch are short: a scan every second finds a pitch that is too
-  small (0.450274 m). Larger pitches 6 % apart, up to one at which turns are too far apart for benches to touch, have no
-  contact either.
-- **The turn.** Two arcs that touch both spirals and each other turn by the same angle, so the length does not depend
-  on the ratio of their radii. More arcs make the turn shorter. `study u-turn`, without `--no-search`, searches turns
-  on five arcs by sequential linear programming with SciPy (`pip install 'pymunk-dragon[studies]'`), such that no handle
-  goes faster, relative to the head, than on the contest's own turn. The first contact and the largest speed of the
-  result are certified. The problem is not convex: the result, 10.4947 m if no radius is
-  below 0.5 m, is the best turn that was found, and no proof shows that there is no shorter one. The straight line
-  across is 9 m.
-- **The largest speed.** Branch and bound over the distance of the head, with derivatives from interval arithmetic: no
-  handle is faster at any time, sampled or not.
-- **The sensitivity.** `study sensitivity` prints how much a millimetre of each size moves the first contact and the
-  smallest pitch, from central differences of the exact answers.
+- **The smallest pitch.** The zero of the gap of the two benches that touch, over the pitch, with
+  `first_contact` on both sides, because the time intervals in which benches touch are short: a scan
+  every second finds a pitch that is too small (0.450274 m). Larger pitches 6 % apart, up to one at
+  which turns are too far apart for benches to touch, have no contact either.
+- **The turn.** Two arcs that touch both spirals and each other turn by the same angle, so the
+  length does not depend on the ratio of their radii. More arcs make the turn shorter.
+  `study u-turn`, without `--no-search`, searches turns on five arcs by sequential linear
+  programming with SciPy (`pip install 'pymunk-dragon[studies]'`), such that no handle goes faster,
+  relative to the head, than on the contest's own turn. The first contact and the largest speed of
+  the result are certified. The problem is not convex: the result, 10.4947 m if no radius is below
+  0.5 m, is the best turn that was found, and no proof shows that there is no shorter one. The
+  straight line across is 9 m.
+- **The largest speed.** Branch and bound over the distance of the head, with derivatives from
+  interval arithmetic: no handle is faster at any time, sampled or not.
+- **The sensitivity.** `study sensitivity` prints how much a millimetre of each size moves the first
+  contact and the smallest pitch, from central differences of the exact answers.
 
 ![The head touches the bench that it passes, at the smallest pitch](renders/figures/min-pitch.png)
 
@@ -58,8 +59,9 @@ The contest's own sheets are written by `positions --times 0:300:1 -o result1.xl
 
 ## A study of your own
 
-A study is a module with a function and its result, and a `Study` in `STUDIES`, from which the command line takes the
-flags. The result's class has the text, the JSON values and, if there is one, the figure.
+A study is a module with a function and its result, and a `Study` in `STUDIES`, from which the
+command line takes the flags. The result's class has the text, the JSON values and, if there is one,
+the figure.
 """
 
 from __future__ import annotations

@@ -87,12 +87,14 @@ class Study:
     name, summary : str
         Name of the study, and what it computes in one line.
     run : callable
-        Function of a `Dragon`, of keyword-only parameters with defaults, and of `progress`. It returns a `Result`.
+        Function of a `Dragon`, of keyword-only parameters with defaults, and of `progress`. It
+        returns a `Result`.
     flags : mapping
-        Those of its parameters that no scenario has, as flags of the command line: a placeholder of the value, and a
-        description.
+        Those of its parameters that no scenario has, as flags of the command line: a placeholder of
+        the value, and a description.
     formats : tuple of str
-        Endings of the files that the result can be written to: .xlsx if it has a `march` and `times`.
+        Endings of the files that the result can be written to: .xlsx if it has a `march` and
+        `times`.
     """
 
     name: str

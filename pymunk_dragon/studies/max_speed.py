@@ -1,23 +1,26 @@
 """The largest speed of the head at which no handle exceeds a speed limit in the turn (the contest's question 5).
 
-The speed of each handle is proportional to the head's, so the largest speed is the limit over the largest ratio of a
-handle's speed to the head's. The ratio depends only on the distance travelled by the head, and its maximum is enclosed
-by branch and bound. Over an interval the ratio is at most its value at the midpoint plus half the interval's length
-times a bound on its derivative, from interval arithmetic on the equations of a rigid bench in `model/chain.py`.
-Intervals whose bound is below the largest value found are discarded, the others are halved.
+The speed of each handle is proportional to the head's, so the largest speed is the limit over the
+largest ratio of a handle's speed to the head's. The ratio depends only on the distance travelled by
+the head, and its maximum is enclosed by branch and bound. Over an interval the ratio is at most its
+value at the midpoint plus half the interval's length times a bound on its derivative, from interval
+arithmetic on the equations of a rigid bench in `model/chain.py`. Intervals whose bound is below the
+largest value found are discarded, the others are halved.
 
 Three facts limit the search:
 
-- On the inward spiral no handle is faster than the one before it: at the end of a spiral's arc with the larger
-  curvature, the angle to the chord is larger (W. Vogt, "Über monotongekrümmte Kurven", 1914).
-- On the outward spiral each handle is faster than the one before it, but all of them together by no more than a bound
-  that depends only on the curvature kappa at the exit. The angle to a chord lies between those on the circles with the
-  largest and the smallest curvature of the arc (A. Schur, 1921), so both cosines of a bench lie between c(L, kappa at
-  its front hole) and c(L, kappa at its rear hole), where c(L, k) = sqrt(1 - (k L / 2)^2). At a hole between benches of
-  the spacings L and M the product has the factor cos alpha / cos beta, which is at most
-  max(1, c(M, kappa) / c(L, kappa)). The remaining factor is at most 1 / c(L, kappa) of the last bench.
-- Benches but the head are alike, so once the head has left the turn, the motion in the turn is periodic with the period
-  of one bench.
+- On the inward spiral no handle is faster than the one before it: at the end of a spiral's arc with
+  the larger curvature, the angle to the chord is larger (W. Vogt, "Über monotongekrümmte Kurven",
+  1914).
+- On the outward spiral each handle is faster than the one before it, but all of them together by no
+  more than a bound that depends only on the curvature kappa at the exit. The angle to a chord lies
+  between those on the circles with the largest and the smallest curvature of the arc (A. Schur,
+  1921), so both cosines of a bench lie between c(L, kappa at its front hole) and c(L, kappa at its
+  rear hole), where c(L, k) = sqrt(1 - (k L / 2)^2). At a hole between benches of the spacings L and
+  M the product has the factor cos alpha / cos beta, which is at most max(1, c(M, kappa) / c(L,
+  kappa)). The remaining factor is at most 1 / c(L, kappa) of the last bench.
+- Benches but the head are alike, so once the head has left the turn, the motion in the turn is
+  periodic with the period of one bench.
 """
 
 from __future__ import annotations
@@ -41,19 +44,24 @@ from pymunk_dragon.studies._study import Progress, Result, checked_dragon, label
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-# Length of the initial intervals in spacings, and m of the head's distance below which they are not halved: rounding.
+# Length of the initial intervals in spacings, and m of the head's distance below which they are not
+# halved: rounding.
 _INTERVAL, _MIN_INTERVAL = 1 / 16, 1e-12
-# Initial intervals times benches up to which a whole dragon is followed through the turn: some seconds of work.
+# Initial intervals times benches up to which a whole dragon is followed through the turn: some
+# seconds of work.
 _WORK = 100_000
-# Relative width of the enclosure: the search takes longer below it. Relative difference up to which the speeds of two
-# handles count as equal, several of these widths; and relative bound on the rounding error of a ratio of given angles.
+# Relative width of the enclosure: the search takes longer below it. Relative difference up to which
+# the speeds of two handles count as equal, several of these widths; and relative bound on the
+# rounding error of a ratio of given angles.
 _RELATIVE_TOLERANCE, _EQUAL, ROUNDING = 1e-11, 1e-10, 1e-13
-# Last digits of the largest coordinate by which the equation of a bench is off, besides what is measured.
+# Last digits of the largest coordinate by which the equation of a bench is off, besides what is
+# measured.
 _ROUNDED = 2
 _RIGHT_ANGLE = np.pi / 2
 # Least cosine in a quotient: a smaller one belongs to an angle that may reach a right angle.
 _MIN_COSINE = 1e-12
-# Of the figure: m that the head travels before and after the limit, samples in between, and foremost handles drawn.
+# Of the figure: m that the head travels before and after the limit, samples in between, and
+# foremost handles drawn.
 _BEFORE, _AFTER, _SAMPLES, _DRAWN_HANDLES = 9.0, 12.0, 1600, 12
 
 
@@ -64,13 +72,16 @@ class MaxSpeed(Result):
     Attributes
     ----------
     speed, limit : float
-        Largest speed of the head, and speed that no handle may exceed, m/s; `speed` is `limit` over `ratio`.
+        Largest speed of the head, and speed that no handle may exceed, m/s; `speed` is `limit` over
+        `ratio`.
     ratio, excess : float
-        Largest ratio of a handle's speed to the head's, and the relative amount by which the true one may be larger.
+        Largest ratio of a handle's speed to the head's, and the relative amount by which the true
+        one may be larger.
     handles : tuple of int
         All handles with that speed; `handle` is the foremost one.
     time, distance : float
-        Time from the entry of the circle to the maximum, s, and distance travelled by the head until then, m.
+        Time from the entry of the circle to the maximum, s, and distance travelled by the head
+        until then, m.
     curve, dragon : UTurn, Dragon
         The path and the dragon.
     """
@@ -177,18 +188,20 @@ def max_speed(
     Returns
     -------
     MaxSpeed
-        The relative error of the speed is at most `excess`: the largest ratio is enclosed for all times and handles.
-        `excess` is 1e-11, or more where ratios magnify rounding: 8e-4 for the contest's dragon in a circle of 4.27 m,
-        which is hardly large enough. It is also more on a turn whose curvature is no larger than that of the outward
-        spiral, and for a dragon of more than some 80 benches whose last ones may be the fastest, because the head bench
-        is hardly longer than the others. There it is at most 1 / sqrt(1 - (kappa L / 2)^2) - 1 for benches of the
-        spacing L, where kappa is the curvature of the path at the exit: 0.018 for the contest's spacing and circle.
+        The relative error of the speed is at most `excess`: the largest ratio is enclosed for all
+        times and handles. `excess` is 1e-11, or more where ratios magnify rounding: 8e-4 for the
+        contest's dragon in a circle of 4.27 m, which is hardly large enough. It is also more on a
+        turn whose curvature is no larger than that of the outward spiral, and for a dragon of more
+        than some 80 benches whose last ones may be the fastest, because the head bench is hardly
+        longer than the others. There it is at most 1 / sqrt(1 - (kappa L / 2)^2) - 1 for benches of
+        the spacing L, where kappa is the curvature of the path at the exit: 0.018 for the contest's
+        spacing and circle.
 
     Raises
     ------
     ParameterError
-        If a number is out of range, the benches behind the head differ, or the circle is so small that the dragon
-        has no initial position or a bench is pushed back.
+        If a number is out of range, the benches behind the head differ, or the circle is so small
+        that the dragon has no initial position or a bench is pushed back.
     UnreachableError
         If the dragon does not fit round the turn.
 
@@ -223,10 +236,11 @@ def max_speed(
 def certified_ratio(dragon: Dragon, curve: Composite, radius: float) -> tuple[float, float]:
     """Largest ratio of a handle's speed to the head's, and the relative amount by which the true one may be larger.
 
-    The dragon's benches but the head are alike, and the path is a turn on arcs between the spirals of a `UTurn` with
-    this radius, m. Raises `ParameterError` if the dragon has no position with its head at the entry of the circle, or
-    if a bench becomes perpendicular to the path at its front handle, where its rear handle begins to move back; and
-    `UnreachableError` if the dragon does not fit round the turn.
+    The dragon's benches but the head are alike, and the path is a turn on arcs between the spirals
+    of a `UTurn` with this radius, m. Raises `ParameterError` if the dragon has no position with its
+    head at the entry of the circle, or if a bench becomes perpendicular to the path at its front
+    handle, where its rear handle begins to move back; and `UnreachableError` if the dragon does not
+    fit round the turn.
     """
     search, excess = _largest_ratio(dragon, curve, radius)
     return search.ratio, excess
@@ -251,14 +265,16 @@ def _searched(dragon: Dragon, curve: Composite, radius: float) -> tuple[_Search,
     gain = float(np.prod(np.maximum(1.0, cosines[1:] / cosines[:-1])) / cosines[-1])
     first = search.exit_distance(1, head)
     search.run(0.0, first)
-    # The head has left the turn, so the benches behind it move as a chain of equal benches: periodically.
+    # The head has left the turn, so the benches behind it move as a chain of equal benches:
+    # periodically.
     equal = replace(dragon, head_spacing=body)
     followers = _Search(equal, curve, radius, start_s=curve.joints[-1], lower=search.ratio / gain)
     followers.run(0.0, followers.exit_distance(1, body))
     if not followers.found:
         return search, gain
     if whole / (_INTERVAL * body) * dragon.benches > _WORK:
-        # A period of the followers behind one bench on the outward spiral; behind more they gain little.
+        # A period of the followers behind one bench on the outward spiral; behind more they gain
+        # little.
         search.run(first, search.exit_distance(2, head + body))
         return search, followers.ratio * gain
     search.run(first, search.exit_distance(dragon.benches, whole))
@@ -313,7 +329,8 @@ class _Search:
         edges = np.linspace(
             begin, end, int(np.ceil((end - begin) / (_INTERVAL * self.spacings.min()))) + 1
         )
-        # The handles further back are on the inward spiral, and no faster than the last of these handles.
+        # The handles further back are on the inward spiral, and no faster than the last of these
+        # handles.
         ahead = int(np.count_nonzero(self.march.handles_s(self.march.time(end))[0] > 0))
         handles = min(max(2, ahead + 1), self.march.dragon.handles)
         middles, halves = (edges[:-1] + edges[1:]) / 2, np.diff(edges) / 2
@@ -346,7 +363,8 @@ class _Search:
     def rounding(self) -> float:
         """Relative rounding error of the largest ratio: that of the coordinates of the handles, which ratios magnify.
 
-        An error of a coordinate changes the cosines of both benches there; `collision/bounds.py` has the equations.
+        An error of a coordinate changes the cosines of both benches there; `collision/bounds.py`
+        has the equations.
         """
         s, points, tangents, ratios = (
             part[0] for part in self.march.motion(self.travelled, self.handles)
@@ -368,15 +386,15 @@ class _Search:
     def _ratios(self, first: Array, middle: Array, last: Array) -> tuple[Array, Array]:
         """Ratios (K, H - 1) of the speeds of handles 1 to H - 1 to the head's, at midpoints, and bounds on intervals.
 
-        `first`, `middle` and `last` (K, H) are coordinates of the handles at the beginning, midpoint and end of the
-        intervals.
+        `first`, `middle` and `last` (K, H) are coordinates of the handles at the beginning,
+        midpoint and end of the intervals.
         """
         spacings = self.spacings[: first.shape[1] - 1]
         angles = np.angle(chain.angles(*self.curve.frame(middle), spacings))
         if np.any(np.abs(angles[0]) >= _RIGHT_ANGLE):
             raise _too_narrow(self._radius)
-        # While both holes move forward, they remain between their coordinates at the ends of the interval. No bench
-        # rotates by more than the sum of the two distances, over its spacing.
+        # While both holes move forward, they remain between their coordinates at the ends of the
+        # interval. No bench rotates by more than the sum of the two distances, over its spacing.
         moved = np.maximum(middle - first, last - middle)
         swept = moved * self.curve.max_curvature(first, last)
         change = np.stack([swept[:, :-1], swept[:, 1:]]) + (moved[:, :-1] + moved[:, 1:]) / spacings
@@ -391,7 +409,8 @@ class _Search:
             slope = np.abs(np.cumsum(_product(ahead, slopes), axis=-1)).max(axis=0)
             ratios = chain.velocity_ratios(*np.cos(angles))[:, 1:]
             most = ratios * np.exp(slope * moved[:, :1]) * (1 + ROUNDING)
-        # Where an angle may reach a right angle, there is no bound for this handle and the handles behind it.
+        # Where an angle may reach a right angle, there is no bound for this handle and the handles
+        # behind it.
         largest = np.maximum(-lows, highs).max(axis=0)
         known = np.logical_and.accumulate(largest < _RIGHT_ANGLE, axis=1)
         return ratios, np.where(known & np.isfinite(most), most, np.inf)

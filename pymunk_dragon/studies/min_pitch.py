@@ -1,9 +1,10 @@
 """The smallest pitch at which the head reaches the turning circle (the contest's question 3).
 
-With a smaller pitch the head touches a bench that it passes before it reaches the circle. `first_contact` decides for
-each pitch whether it does: from one at which turns are out of each other's reach down to the first with a contact, and
-then closer to the limit. There the near miss of a march without a contact has the gap of the benches that touch at the
-limit. The pitch is the zero of this gap over the pitch, and marches a nanometre above and below are certified.
+With a smaller pitch the head touches a bench that it passes before it reaches the circle.
+`first_contact` decides for each pitch whether it does: from one at which turns are out of each
+other's reach down to the first with a contact, and then closer to the limit. There the near miss of
+a march without a contact has the gap of the benches that touch at the limit. The pitch is the zero
+of this gap over the pitch, and marches a nanometre above and below are certified.
 """
 
 from __future__ import annotations
@@ -30,14 +31,16 @@ from pymunk_dragon.studies._study import Progress, Result, checked_dragon, label
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-# m. Radius of the contest's turning circle, and the largest one: with a wider circle the inward spiral is kilometres
-# long, and the search takes minutes.
+# m. Radius of the contest's turning circle, and the largest one: with a wider circle the inward
+# spiral is kilometres long, and the search takes minutes.
 RADIUS, _MAX_RADIUS = 4.5, 100.0
 # Largest turn of the start: a spiral has at most a thousand turns.
 _MAX_TURNS = 900.0
-# m. Distance from the limit at which pitches are certified: a thousand times the error of the limit.
+# m. Distance from the limit at which pitches are certified: a thousand times the error of the
+# limit.
 _CERTIFIED = 1e-9
-# Least pitch over the width, which no march's pitch may equal; ratio of successive pitches from out of reach down.
+# Least pitch over the width, which no march's pitch may equal; ratio of successive pitches from out
+# of reach down.
 _MIN_PITCH_RATIO, _PITCH_RATIO = 1 + 1e-6, 1.06
 # Share of a step of the secant method by which it stays above the limit.
 _MARGIN = 0.01
@@ -54,13 +57,14 @@ class MinPitch(Result):
     pitch, radius, march : float, float, March
         The smallest pitch and radius of the circle, m, and the march at that pitch.
     benches, point : tuple or None
-        The two benches that touch, the smaller number first, and the contact point, m; None where the pitch is limited
-        by the circle, on which the head starts.
+        The two benches that touch, the smaller number first, and the contact point, m; None where
+        the pitch is limited by the circle, on which the head starts.
     distance, arrival_distance : float
-        Distances travelled by handle 0 at the contact, to some micrometres, and at the circle, m; `march.time` gives
-        the times.
+        Distances travelled by handle 0 at the contact, to some micrometres, and at the circle, m;
+        `march.time` gives the times.
     clear_pitch, contact_pitch, larger_pitches : float, float or None, tuple of float
-        Pitches, m, certified by `first_contact`: without a contact, with one, and larger ones without a contact.
+        Pitches, m, certified by `first_contact`: without a contact, with one, and larger ones
+        without a contact.
     """
 
     pitch: float
@@ -200,8 +204,9 @@ def min_pitch(
     Raises
     ------
     ParameterError
-        If the radius is less than the longest spacing (further in, a handle may have no position) or larger than any
-        start, benches touch however far apart the turns are, or the dragon is too short to pass itself.
+        If the radius is less than the longest spacing (further in, a handle may have no position)
+        or larger than any start, benches touch however far apart the turns are, or the dragon is
+        too short to pass itself.
     DragonError
         If the limit cannot be certified.
 
@@ -217,7 +222,8 @@ def min_pitch(
     function("progress", progress)
     turns = positive("turns", turns, _MAX_TURNS, "")
     speed = finite("speed", speed, MIN_SPEED, MAX_SPEED, "m/s")
-    # Inside the longest spacing a handle may have no position, and beyond the largest start there is no spiral.
+    # Inside the longest spacing a handle may have no position, and beyond the largest start there
+    # is no spiral.
     radius = finite(
         "radius", radius, float(dragon.spacings.max()), min(_MAX_RADIUS, MAX_PITCH * turns), "m"
     )
@@ -297,7 +303,8 @@ def _limit(
 ) -> tuple[float, _InwardMarch, _InwardMarch]:
     """The pitch at which two benches touch, m, and marches just above and below it, from two above and one below.
 
-    The secant method on the gap of the benches that touch first as the pitch falls, and bisection without such benches.
+    The secant method on the gap of the benches that touch first as the pitch falls, and bisection
+    without such benches.
     """
     for _ in range(_MAX_STEPS):
         zeros = (_zero(wider, free, benches) for benches in {*free.near, *blocked.near})

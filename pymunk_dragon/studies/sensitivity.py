@@ -1,7 +1,7 @@
 """Derivatives of the first contact's time and of the smallest pitch by every size of the benches.
 
-They are central differences of the exact answers, accurate to 1e-7 s or mm for each millimetre. Where other benches
-touch within a step, there is no derivative.
+They are central differences of the exact answers, accurate to 1e-7 s or mm for each millimetre.
+Where other benches touch within a step, there is no derivative.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ from pymunk_dragon.studies.min_pitch import RADIUS, MinPitch, min_pitch
 
 # Sizes of the benches by which both answers are differentiated.
 _SIZES = ("width", "overhang", "head_spacing", "body_spacing")
-# m. Step of the differences: the rounding of the answers over the step, and the step's square times a third derivative,
-# are below the last digit printed.
+# m. Step of the differences: the rounding of the answers over the step, and the step's square times
+# a third derivative, are below the last digit printed.
 _STEP = 1e-5
 
 
@@ -39,9 +39,9 @@ class Sensitivity(Result):
     contact, smallest : FirstContact, MinPitch
         The first contact and the smallest pitch.
     times, pitches : dict
-        Derivatives of the first contact's time, s per m, by each of the `_SIZES`, and of the smallest pitch,
-        m per m; None where other benches touch, or none, within a hundredth of a millimetre. Where the benches
-        differ, all change by the same amount.
+        Derivatives of the first contact's time, s per m, by each of the `_SIZES`, and of the
+        smallest pitch, m per m; None where other benches touch, or none, within a hundredth of a
+        millimetre. Where the benches differ, all change by the same amount.
     """
 
     contact: FirstContact

@@ -1,22 +1,25 @@
 """The turn of the contest's question 4, and the shortest turn that was found inside its circle.
 
-Two arcs. Entry and exit are opposite to each other, 2 R apart, and their tangents are parallel, at an angle a to the
-diameter between them. Any two arcs tangent to both and to each other turn by 2 a each. Their chords, 2 r sin a each,
-lie on the diameter, one after the other, so (r1 + r2) sin a = R, and the length is 2 a (r1 + r2) = 2 a R / sin a. It
-does not depend on the ratio of the radii.
+Two arcs. Entry and exit are opposite to each other, 2 R apart, and their tangents are parallel, at
+an angle a to the diameter between them. Any two arcs tangent to both and to each other turn by 2 a
+each. Their chords, 2 r sin a each, lie on the diameter, one after the other, so (r1 + r2) sin a =
+R, and the length is 2 a (r1 + r2) = 2 a R / sin a. It does not depend on the ratio of the radii.
 
-Five arcs. The diameter, 2 R, is the only geometric limit, but the handles behind the head become faster as the turn
-becomes shorter. So the search is for the shortest turn on which no handle goes faster, relative to the head, than on
-the contest's own turn. It samples these speeds; the largest one on the turn that it finds is certified, as by
-`max_speed`. The chord of an arc is at the mean angle of the tangents at both ends. So the entry and its tangent, and
-the points at which arcs end, determine these arcs. Two more arcs lead to the exit with its tangent if the angle between
-their chords is half the angle that they turn by; the ratio of the chords is free. The unknowns are the points at which
-the first three arcs end, as complex numbers in units of the entry, and the logarithm of that ratio.
+Five arcs. The diameter, 2 R, is the only geometric limit, but the handles behind the head become
+faster as the turn becomes shorter. So the search is for the shortest turn on which no handle goes
+faster, relative to the head, than on the contest's own turn. It samples these speeds; the largest
+one on the turn that it finds is certified, as by `max_speed`. The chord of an arc is at the mean
+angle of the tangents at both ends. So the entry and its tangent, and the points at which arcs end,
+determine these arcs. Two more arcs lead to the exit with its tangent if the angle between their
+chords is half the angle that they turn by; the ratio of the chords is free. The unknowns are the
+points at which the first three arcs end, as complex numbers in units of the entry, and the
+logarithm of that ratio.
 
-The method is sequential linear programming: the constraints are linearised by differences, and `scipy.optimize.linprog`
-finds the best step inside a trust region. Speeds have kinks where a handle passes from one arc to the next; they are
-sampled at fixed fractions of the time intervals between kinks, where they depend smoothly on the unknowns. The problem
-is not convex, so the result is the best turn near the start.
+The method is sequential linear programming: the constraints are linearised by differences, and
+`scipy.optimize.linprog` finds the best step inside a trust region. Speeds have kinks where a handle
+passes from one arc to the next; they are sampled at fixed fractions of the time intervals between
+kinks, where they depend smoothly on the unknowns. The problem is not convex, so the result is the
+best turn near the start.
 """
 
 from __future__ import annotations
@@ -43,21 +46,25 @@ from pymunk_dragon.studies.max_speed import certified_ratio
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-# m travelled by the head after it enters the circle: at 1 m/s, the times in s that the contest's table requires.
+# m travelled by the head after it enters the circle: at 1 m/s, the times in s that the contest's
+# table requires.
 _DISTANCES = tuple(float(distance) for distance in range(-100, 101))
 # Start of the search: short, sharp arcs at both ends, and long ones between.
 _START = (0.95, -0.1, 0.4, -0.2, -0.5, 0.2, -2.5)
-# m. Least radius and length of an arc: smaller radii save centimetres, and slow down the certificate of first contact.
+# m. Least radius and length of an arc: smaller radii save centimetres, and slow down the
+# certificate of first contact.
 _MIN_RADIUS, _MIN_ARC = 0.5, 0.02
-# m travelled by the head between chains in the search, and beyond the turn; m behind the circle up to which handles are
-# included; samples of the speeds from one kink to the next; and positions of handles for sampled ratios of a result.
+# m travelled by the head between chains in the search, and beyond the turn; m behind the circle up
+# to which handles are included; samples of the speeds from one kink to the next; and positions of
+# handles for sampled ratios of a result.
 _SAMPLING, _HEAD_MARGIN, _CHAIN_MARGIN, SAMPLES, POSITIONS = 0.02, 9.0, 3.0, 8, 200_000
-# Steps at most; and first, largest and least size of the trust region, in units of the unknowns, of which the last one
-# may change by more; and factors on the size after a better turn and after any other.
+# Steps at most; and first, largest and least size of the trust region, in units of the unknowns, of
+# which the last one may change by more; and factors on the size after a better turn and after any
+# other.
 _STEPS, _FIRST_SIZE, _MAX_SIZE, _MIN_SIZE, _GROWTH, _SHRINKAGE = 80, 0.1, 0.2, 1e-5, 1.6, 1 / 3
 _SCALES = np.array([1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 5.0])
-# m per unit of a violated constraint: several times the Lagrange multiplier of the speed. Violation by a bench that is
-# pushed back or has no position.
+# m per unit of a violated constraint: several times the Lagrange multiplier of the speed. Violation
+# by a bench that is pushed back or has no position.
 _PENALTY, _STUCK = 4.0, 10.0
 # Constraints closer to their limits than this are linearised; and step of the differences.
 _NEAR, _DIFFERENCE = 0.4, 1e-7
@@ -76,13 +83,14 @@ class MarchedTurn:
     path, march : Composite, March
         The path between both spirals, and the march on it; handle 0 enters the circle at t = 0.
     contact : FirstContact
-        Certified first contact while the head travels from 100 m before the entry of the circle to 100 m after it.
+        Certified first contact while the head travels from 100 m before the entry of the circle to
+        100 m after it.
     ratio : float
         Largest ratio of a handle's speed to the head's.
     excess : float or None
-        Relative amount by which the true ratio may be larger, as in `max_speed`. It is None where the benches behind
-        the head differ: then the ratio is the largest of samples while the head goes through the turn, and the true one
-        may be larger by any amount.
+        Relative amount by which the true ratio may be larger, as in `max_speed`. It is None where
+        the benches behind the head differ: then the ratio is the largest of samples while the head
+        goes through the turn, and the true one may be larger by any amount.
     """
 
     path: Composite
@@ -139,8 +147,9 @@ class TurnResult(Result):
     turn : UTurn
         The contest's turn.
     times : tuple of float
-        The 201 times of the contest's table, result4.xlsx, s: from -100 to 100 s at a head speed of 1 m/s. At other
-        speeds the head travels the same distances, from 100 m before the entry of the circle to 100 m after it.
+        The 201 times of the contest's table, result4.xlsx, s: from -100 to 100 s at a head speed of
+        1 m/s. At other speeds the head travels the same distances, from 100 m before the entry of
+        the circle to 100 m after it.
     contests, shortest : MarchedTurn
         The contest's turn and the shortest one that was found, which is None without the search.
     """
@@ -240,9 +249,10 @@ def u_turn(
     pitch, radius, ratio, speed
         As in `UTurn` and `March`.
     search : bool
-        Whether to search for the shortest turn on which no handle goes faster, relative to the head, than on the
-        contest's; this needs SciPy. No proof shows that there is no shorter one. Where none is found, it is the
-        contest's. The largest speeds are certified, or sampled if the benches behind the head differ.
+        Whether to search for the shortest turn on which no handle goes faster, relative to the
+        head, than on the contest's; this needs SciPy. No proof shows that there is no shorter one.
+        Where none is found, it is the contest's. The largest speeds are certified, or sampled if
+        the benches behind the head differ.
     progress : callable, optional
         Called with the part of the search that is done and the whole.
 

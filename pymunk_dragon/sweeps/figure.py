@@ -1,7 +1,7 @@
 """The figure of a sweep: a line over one axis, or a map over two.
 
-The time of the first contact changes continuously only while the same benches touch. Where these or the status, a
-whole number or a text, change, the line is broken, and lines are drawn in the map.
+The time of the first contact changes continuously only while the same benches touch. Where these or
+the status, a whole number or a text, change, the line is broken, and lines are drawn in the map.
 """
 
 from __future__ import annotations

@@ -32,9 +32,11 @@ from pymunk_dragon.sweeps.partial import PartialTable
 from pymunk_dragon.sweeps.quantities import Outcome, Quantity, Values, evaluate, quantity_of
 from pymunk_dragon.sweeps.result import Sweep, check_format
 
-# Futures that are submitted and not finished, at most: enough for as many workers, and few in memory.
+# Futures that are submitted and not finished, at most: enough for as many workers, and few in
+# memory.
 _MAX_RUNNING = 256
-# Worker processes, at most (Windows waits for no more), and processors for this process, of which each gets one.
+# Worker processes, at most (Windows waits for no more), and processors for this process, of which
+# each gets one.
 _MAX_WORKERS = 61 if os.name == "nt" else 1000
 _CORES = (
     len(os.sched_getaffinity(0))
@@ -60,35 +62,40 @@ def sweep(
     Parameters
     ----------
     scenario : Scenario, March or mapping, optional
-        The dragon and its curve; a mapping has values of a scenario's parameters. By default the reference scenario.
+        The dragon and its curve; a mapping has values of a scenario's parameters. By default the
+        reference scenario.
     axes : mapping
-        Names of parameters, of the scenario or of the quantity, and values of each. The points are all combinations.
+        Names of parameters, of the scenario or of the quantity, and values of each. The points are
+        all combinations.
     quantity : str or callable
-        One of `QUANTITIES`, or an importable function of a march, as itself or as ``"module:function"``, that returns
-        numbers or texts by name. Its keyword-only parameters may be axes.
+        One of `QUANTITIES`, or an importable function of a march, as itself or as
+        ``"module:function"``, that returns numbers or texts by name. Its keyword-only parameters
+        may be axes.
     executor : concurrent.futures.Executor, optional
-        Evaluates the points; by default new processes. They import a script, which calls `sweep` under
-        ``if __name__ == "__main__":``.
+        Evaluates the points; by default new processes. They import a script, which calls `sweep`
+        under ``if __name__ == "__main__":``.
     out : path or sequence of paths, optional
-        Files to write: .csv, or .png, .svg or .pdf for a picture of one or two axes. Until then, finished points are in
-        a partial table beside the first one, with the ending ``.partial``.
+        Files to write: .csv, or .png, .svg or .pdf for a picture of one or two axes. Until then,
+        finished points are in a partial table beside the first one, with the ending ``.partial``.
     resume : bool
         Whether to go on from the partial table of an interrupted sweep, if there is one.
     scheduler, workers : str and int, optional
-        Address of a Dask scheduler, as ``"tcp://HOST:8786"``, instead of an executor; number of processes.  [the cores]
+        Address of a Dask scheduler, as ``"tcp://HOST:8786"``, instead of an executor; number of
+        processes.  [the cores]
     progress : callable, optional
         Called with the numbers of finished points and of all points.
 
     Returns
     -------
     Sweep
-        The table. A point without values, as of a dragon that does not fit on its curve, has the reason as `error`.
+        The table. A point without values, as of a dragon that does not fit on its curve, has the
+        reason as `error`.
 
     Raises
     ------
     ParameterError, FileFormatError, OutputError, DragonError
-        If an argument is out of range; the partial table is damaged or of another sweep; a file cannot be written; a
-        worker or the scheduler was lost.
+        If an argument is out of range; the partial table is damaged or of another sweep; a file
+        cannot be written; a worker or the scheduler was lost.
 
     Examples
     --------
@@ -143,7 +150,8 @@ def _outcomes(
 ) -> Iterator[dict[int, Outcome]]:
     """Evaluate a quantity by `call` at numbered points; yields outcomes by these numbers."""
     running: dict[Future[Outcome], int] = {}
-    # Not `concurrent.futures.wait`: an interruption in it leaves futures locked, for which workers wait without end.
+    # Not `concurrent.futures.wait`: an interruption in it leaves futures locked, for which workers
+    # wait without end.
     done: SimpleQueue[Future[Outcome]] = SimpleQueue()
     try:
         for number, at in points:
@@ -202,8 +210,8 @@ class _Processes(ProcessPoolExecutor):
             return super().submit(*arguments, **named)
 
     def __exit__(self, kind: type[BaseException] | None, *rest: Any) -> None:
-        # `kill_workers` comes with Python 3.14. The thread of the executor ends with the processes: at its exit Python
-        # 3.11 would wake a thread that is about to end, and print an error.
+        # `kill_workers` comes with Python 3.14. The thread of the executor ends with the processes:
+        # at its exit Python 3.11 would wake a thread that is about to end, and print an error.
         if kind is not None:
             for process in list((self._processes or {}).values()):
                 process.kill()
@@ -214,7 +222,8 @@ class _Processes(ProcessPoolExecutor):
 def _blocked_signals() -> Iterator[None]:
     """Delay the signals that end the program, and block them in processes that start: a terminal sends them to all.
 
-    Other threads may receive what is blocked in this one, and handlers run in this one; so both are needed.
+    Other threads may receive what is blocked in this one, and handlers run in this one; so both are
+    needed.
     """
     if not hasattr(signal, "pthread_sigmask"):  # On Windows.
         yield

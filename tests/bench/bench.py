@@ -1,6 +1,7 @@
 """The figures that README and the docstrings quote: `python tests/bench/bench.py [NAME ...]`.
 
-`BENCHMARKS` has all of them but those of live sessions, which are in `bench_live.py`. Times are medians.
+`BENCHMARKS` has all of them but those of live sessions, which are in `bench_live.py`. Times are
+medians.
 """
 
 from __future__ import annotations
@@ -149,7 +150,8 @@ def largest_speed() -> mp.mpf:
 def plain_recursion(times: Array) -> tuple[Array, Array]:
     """Complex positions and speeds (T, 224) of the reference march, handle by handle: the fastest way known with NumPy.
 
-    Newton's method (paper, eq. 10-15) on the angle between two handles begins at the angle between the two before.
+    Newton's method (paper, eq. 10-15) on the angle between two handles begins at the angle between
+    the two before.
     """
     dragon, k, start = Dragon(), 0.55 / (2 * np.pi), 32 * np.pi
     arc = start * np.hypot(start, 1) + np.arcsinh(start) - 2 * times / k

@@ -1,6 +1,7 @@
 """Live sessions: start, pictures a second, delay from the mouse to the body, many clients, and memory.
 
-`python tests/bench/bench_live.py [start browser delay soak]`; all but the first and the last need Chromium.
+`python tests/bench/bench_live.py [start browser delay soak]`; all but the first and the last need
+Chromium.
 """
 
 from __future__ import annotations
@@ -41,7 +42,8 @@ BOX = """() => {
   return [left + x, top + y];
 }"""
 RESTS = "(([x, y, u, v]) => Math.hypot(x - u, y - v) < 0.01)(live.frame.held)"
-# The time of an event, and of the first picture afterwards in which the held body has moved by 5 mm.
+# The time of an event, and of the first picture afterwards in which the held body has moved by 5
+# mm.
 WATCH = """() => {
   window.delays = [];
   document.querySelector("#field").addEventListener("pointermove", (event) => {

@@ -1,7 +1,7 @@
 """A right call of each public function and class, and what else each of its arguments may be.
 
-`CALLS` has functions, classes and methods by their names. Each argument has a right value and the kinds of values that
-it takes; a value of any other kind has to be refused.
+`CALLS` has functions, classes and methods by their names. Each argument has a right value and the
+kinds of values that it takes; a value of any other kind has to be refused.
 """
 
 import math
@@ -21,7 +21,8 @@ from pymunk_dragon.collision import Grid, first_contact, scan, separation
 from pymunk_dragon.drawing import Camera, Film, figures, render, still_png
 from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog
 
-# Values, each with the kinds that it has. A whole number is also a number, and that is also an array.
+# Values, each with the kinds that it has. A whole number is also a number, and that is also an
+# array.
 FUNCTION = lambda *arguments: None  # noqa: E731
 NUMBERS = {0: "int", -1: "int", 7: "int", 1.5: "number", -2.5: "number", 1e-320: "number"}
 NUMBERS |= {

@@ -1,7 +1,7 @@
 """Every public function and class refuses wrong arguments, each with an error of the package.
 
-`make fuzz KIND=arguments` runs that many random calls, at most 3,000, different ones each time; the suite runs a few,
-always the same.
+`make fuzz KIND=arguments` runs that many random calls, at most 3,000, different ones each time; the
+suite runs a few, always the same.
 """
 
 import importlib
@@ -36,8 +36,8 @@ PACKAGES = [
     ".model.curves",
 ]
 PACKAGES += [".physics", ".player", ".reports", ".sessions", ".studies", ".sweeps"]
-# Not called: errors; records that functions of the package make; base classes; and what takes other functions of the
-# package, or the arguments of Pymunk's drawing.
+# Not called: errors; records that functions of the package make; base classes; and what takes other
+# functions of the package, or the arguments of Pymunk's drawing.
 RECORDS = "Contact ContactEvent ContactLog FirstContact NearMiss Separation States Sweep Summary"
 RECORDS += " Lesson MaxSpeed MinPitch TurnResult Sensitivity Recording"
 OTHERS = "Curve Live PathGuide Rails PygameEvents Result Study styled_figure write_styled"

@@ -1,7 +1,7 @@
 """No command line and no file makes the program fail in a way that it should not.
 
-`make fuzz CASES=5000` runs that many cases of each kind, different ones each time, and lists the kinds with their
-numbers of cases and findings; the suite runs a few, always the same.
+`make fuzz CASES=5000` runs that many cases of each kind, different ones each time, and lists the
+kinds with their numbers of cases and findings; the suite runs a few, always the same.
 """
 
 import io
@@ -31,7 +31,8 @@ CASES = int(os.environ.get("FUZZ_CASES", "0"))
 # s of processor time, after which a case is ended.
 MAX_SECONDS = 60.0
 
-# What stands where a number should: no number, none of its range, or one in a way of writing that Python knows as well.
+# What stands where a number should: no number, none of its range, or one in a way of writing that
+# Python knows as well.
 BAD_NUMBERS = [
     "nan",
     "inf",
@@ -397,7 +398,8 @@ def check(arguments, files):
     # A sweep writes its table even if points failed.
     if code == 0 or (code == 1 and "sweep" in arguments):
         named = "\n".join(arguments)
-        # Without -o, the file has the name of the run or of the figure, and a film without a run that of a march.
+        # Without -o, the file has the name of the run or of the figure, and a film without a run
+        # that of a march.
         stems = ["march", *(Path(word).stem for word in arguments)]
         for command in DEFAULT_ENDINGS.keys() & {*arguments}:
             named += "\n".join(f"{stem}{DEFAULT_ENDINGS[command]}" for stem in stems)

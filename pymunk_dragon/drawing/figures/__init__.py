@@ -3,10 +3,11 @@
 `pymunk-dragon figure NAME` draws a figure as PNG, or as SVG or PDF if it has axes (`pip install
 'pymunk-dragon[figures]'`), and `pymunk-dragon figure` lists all.
 
-Sixteen benches at the start, as they close a loop, and at their first contact (figures 3 to 5 of the paper); the
-spiral (figure 2), and the trajectories and velocities of seven handles (figures 7 and 8); speeds along the dragon; and
-forces in the joints of a run of the engine. The grid (figure 6) and the gap before the head are in
-`pymunk_dragon.collision`, the drift of a run is in `pymunk_dragon.physics`.
+Sixteen benches at the start, as they close a loop, and at their first contact (figures 3 to 5 of
+the paper); the spiral (figure 2), and the trajectories and velocities of seven handles (figures 7
+and 8); speeds along the dragon; and forces in the joints of a run of the engine. The grid (figure
+6) and the gap before the head are in `pymunk_dragon.collision`, the drift of a run is in
+`pymunk_dragon.physics`.
 
 ![Sixteen benches at their start](renders/figures/outer-loop.png)
 ![Sixteen benches that close a loop](renders/figures/inward.png)
@@ -43,7 +44,8 @@ if TYPE_CHECKING:
 
 __all__ = ["FIGURES", "figure", "styled_figure", "write_figure", "write_styled"]
 
-# File endings of figures with axes, and metadata that leave out the date, for the same bytes each time.
+# File endings of figures with axes, and metadata that leave out the date, for the same bytes each
+# time.
 _METADATA: dict[str, dict[str, Any]] = {
     ".png": {},
     ".svg": {"Date": None},
@@ -60,8 +62,8 @@ def figure(name: str, source: Run | March | None = None) -> Figure:
     name : str
         One of `FIGURES`. Pictures of the dragon are excluded; `write_figure` writes them.
     source : Run or March, optional
-        March to draw, or run whose march is drawn; by default the paper's march. The figures "drift" and "impulses"
-        require a run of the engine.
+        March to draw, or run whose march is drawn; by default the paper's march. The figures
+        "drift" and "impulses" require a run of the engine.
 
     Returns
     -------
@@ -97,8 +99,8 @@ def styled_figure(draw: Callable[[], Figure]) -> Figure:
 def write_figure(name: str, path: str | Path, source: Run | March | None = None) -> None:
     """Write one of `FIGURES` as PNG, or as SVG or PDF if it has axes.
 
-    `name` and `source` are those of `figure`. If writing is interrupted, an old file is kept and no incomplete file is
-    left; if it fails, an `OutputError` is raised.
+    `name` and `source` are those of `figure`. If writing is interrupted, an old file is kept and no
+    incomplete file is left; if it fails, an `OutputError` is raised.
 
     Examples
     --------
@@ -121,8 +123,8 @@ def write_styled(draw: Callable[[], Figure], path: str | Path) -> None:
     with styled():
         drawn = _laid_out(draw())
         drawn.savefig(content, format=ending[1:], metadata=_METADATA[ending])
-    # With 256 colours no pixel changes by more than two levels, and the file is a third as large. Gradients, which are
-    # rasterized in the other formats, would have visible bands.
+    # With 256 colours no pixel changes by more than two levels, and the file is a third as large.
+    # Gradients, which are rasterized in the other formats, would have visible bands.
     if ending == ".png" and not any(part.get_rasterized() for part in drawn.findobj()):
         with Image.open(content) as picture:
             few = picture.convert("RGB").quantize(

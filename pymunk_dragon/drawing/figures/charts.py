@@ -161,7 +161,8 @@ def _grid(source: style.FigureSource) -> Figure:
     subtitle = text("{}; cells of {:g} m, counted from {} m").format(source.end, cells.cell, origin)
     figure = style.slide(title, subtitle)
     axes = style.panels(figure)
-    # Cells around the benches. 0: empty; 1: one bench; 2: neighbours; 3: benches that are not neighbours.
+    # Cells around the benches. 0: empty; 1: one bench; 2: neighbours; 3: benches that are not
+    # neighbours.
     filed, benches = cells.file(corners)
     first, last = filed.min(axis=0) - 1, filed.max(axis=0) + 1
     least, most = np.full(last - first + 1, dragon.benches), np.full(last - first + 1, -1)
@@ -343,7 +344,8 @@ def _impulses(source: style.FigureSource) -> Figure:
     run = source.run
     if run is None or run.joint_forces is None or run.substep is None:
         raise ParameterError("run", run and "one without forces in joints", "a run of `simulate`")
-    # The frame of the contact follows a shortened substep, in which the joint solver has not converged.
+    # The frame of the contact follows a shortened substep, in which the joint solver has not
+    # converged.
     before = run.times < (run.first_contact.time if run.first_contact else np.inf)
     times, forces = run.times[before], run.joint_forces[before]
     if not forces.max(initial=0.0) > 0:
@@ -383,7 +385,8 @@ def _bundle(axes: Axes, values: Array, times: Array, gid: str, along: str) -> No
     axes.legend(**style.BESIDE)
 
 
-# All figures by name. 16 benches are the paper's small model, which closes a full loop before its first contact.
+# All figures by name. 16 benches are the paper's small model, which closes a full loop before its
+# first contact.
 FIGURES: Mapping[str, NamedFigure] = {
     "spiral": NamedFigure("the spiral that handle 0 walks (the paper's figure 2)", _spiral),
     "outer-loop": NamedFigure(

@@ -28,13 +28,15 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-# Lines and text: darker than the palette's blue and amber, for a contrast of at least 4.5 to 1 on the background.
+# Lines and text: darker than the palette's blue and amber, for a contrast of at least 4.5 to 1 on
+# the background.
 BLUE, AMBER = "#3a71a3", "#9a5f00"
 # Secondary text: a contrast of 5 to 1. Lines of less importance: 3 to 1.
 QUIET, PALE = "#5d6675", "#8a8d96"
 # Grid lines and frames. Fills behind all other elements.
 RULE, FAINT = "#d9cfb9", "#efe9db"
-# Cells that only neighbours share, and those with candidates for a contact: distinguishable in greyscale.
+# Cells that only neighbours share, and those with candidates for a contact: distinguishable in
+# greyscale.
 SHARED, CANDIDATE = "#d3dfe8", "#efb037"
 # Pixels per inch: a page of 8 inches has 1600 pixels, twice the 800 at which it is displayed.
 _DPI = 200
@@ -44,7 +46,8 @@ _SLIDE_WIDTH, _SLIDE_HEIGHT, _MARGIN = 8.0, 4.5, 0.3
 _TITLE_TOP, _SUBTITLE_TOP, _LINE_SPACING = 0.24, 0.56, 1.25
 # Points: size of a title, smallest size of text, and width of the halo of text over a line.
 _TITLE_SIZE, SMALL, _HALO = 16, 10.5, 3.0
-# Area of a slide below its title, as left, bottom, width and height in fractions of the page; inches between panels.
+# Area of a slide below its title, as left, bottom, width and height in fractions of the page;
+# inches between panels.
 _BELOW_TITLE, _PADDING = (0.02, 0.01, 0.96, 0.8), 0.1
 # Options of a legend beside axes.
 BESIDE: dict[str, Any] = {
@@ -53,7 +56,8 @@ BESIDE: dict[str, Any] = {
     "frameon": False,
     "labelspacing": 0.8,
 }
-# Fraction of a march without contact before its end that shows no speeds, which are unbounded where a spiral ends.
+# Fraction of a march without contact before its end that shows no speeds, which are unbounded where
+# a spiral ends.
 _IRREGULAR_FRACTION = 0.05
 
 # matplotlib settings. Text has at least 10.5 points: a thirtieth of the height of a slide.
@@ -78,7 +82,8 @@ def styled() -> Iterator[None]:
     # The parts in C that every figure needs.
     library("matplotlib.figure")
     library("matplotlib.backends.backend_agg")
-    # The font of the language, or of the films; matplotlib's default font provides missing glyphs such as µ.
+    # The font of the language, or of the films; matplotlib's default font provides missing glyphs
+    # such as µ.
     family = {"font.family": [_register_font(language()), "DejaVu Sans"]}
     with matplotlib.rc_context():
         matplotlib.rcdefaults()
@@ -91,7 +96,8 @@ def _register_font(name: str) -> str:
     """Register the font of a language, the present one, with matplotlib; return the name of the font."""
     file = font()
     if file is None:
-        # The font of Pillow and the films. matplotlib reads it from a file only, perhaps until the program ends.
+        # The font of Pillow and the films. matplotlib reads it from a file only, perhaps until the
+        # program ends.
         default: Any = ImageFont.load_default(_TITLE_SIZE)
         folder = tempfile.TemporaryDirectory(prefix="pymunk-dragon-")
         atexit.register(folder.cleanup)

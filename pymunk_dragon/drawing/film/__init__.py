@@ -1,8 +1,8 @@
 """Films of a run or march, or of several side by side, and pictures of one time.
 
-A film passes through these modules: `settings` (parameters), `take` (what the film shows of each source), `timing`
-(times of the frames), `layout` (arranges the scenes, which draw the states of a source at these times), and `formats`
-(file).
+A film passes through these modules: `settings` (parameters), `take` (what the film shows of each
+source), `timing` (times of the frames), `layout` (arranges the scenes, which draw the states of a
+source at these times), and `formats` (file).
 """
 
 from __future__ import annotations
@@ -41,8 +41,8 @@ def render(
     Parameters
     ----------
     source : Run or March, or a sequence of them
-        Several sources are shown side by side at the same simulated time; a run that has ended keeps its last frame.
-        Without `until`, a march is shown until its first contact.
+        Several sources are shown side by side at the same simulated time; a run that has ended
+        keeps its last frame. Without `until`, a march is shown until its first contact.
     path : path
         File to write: .gif; .webp, which keeps all colours and needs memory for all frames; or
         .mp4 with the extra `mp4`. A picture is .png. If writing is interrupted, an old file is
@@ -57,8 +57,9 @@ def render(
     Returns
     -------
     Timing
-        Times of the frames, and `size`: width and height of the film or picture with its texts, pixels. An MP4 has even
-        ones: the last column of an odd width and the last row of an odd height are left out.
+        Times of the frames, and `size`: width and height of the film or picture with its texts,
+        pixels. An MP4 has even ones: the last column of an odd width and the last row of an odd
+        height are left out.
 
     Raises
     ------

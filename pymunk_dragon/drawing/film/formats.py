@@ -20,21 +20,23 @@ from pymunk_dragon._extras import library
 from pymunk_dragon._signals import signals_held
 from pymunk_dragon.errors import MissingExtraError, ParameterError
 
-# Frames per second in a GIF, whose delays are whole centiseconds: browsers replace a delay of one by ten.
+# Frames per second in a GIF, whose delays are whole centiseconds: browsers replace a delay of one
+# by ten.
 _MAX_GIF_FPS = 50
 # Index of an unchanged pixel in a GIF: tables of films have at most 255 colours.
 _TRANSPARENT = 255
 # GIF disposal method: the next frame is drawn over this one.
 _KEEP = 1
-# x264 options. CRF 18 has no visible loss. The preset "veryfast" takes 8 ms per frame of 640 x 640 pixels with 223
-# benches on 2 cores; the default preset takes 14 ms and saves a seventh. One thread makes the file independent of the
-# number of cores; a look-ahead of 5 frames saves memory.
+# x264 options. CRF 18 has no visible loss. The preset "veryfast" takes 8 ms per frame of 640 x 640
+# pixels with 223 benches on 2 cores; the default preset takes 14 ms and saves a seventh. One thread
+# makes the file independent of the number of cores; a look-ahead of 5 frames saves memory.
 _QUALITY = "-crf 18 -preset veryfast -x264-params rc-lookahead=5 -threads 1"
-# FFmpeg filters: the colour space is BT.709 and is written to the file, so that players need not guess.
+# FFmpeg filters: the colour space is BT.709 and is written to the file, so that players need not
+# guess.
 _FILTERS = "scale=out_color_matrix=bt709:out_range=tv"
 _FILTERS += ",setparams=color_primaries=bt709:color_trc=bt709:colorspace=bt709"
-# FFmpeg options: the index before the data, so that a browser can play an incomplete download; and no encoder version
-# or date in the file.
+# FFmpeg options: the index before the data, so that a browser can play an incomplete download; and
+# no encoder version or date in the file.
 _FORMAT = f"-vf {_FILTERS} -movflags +faststart -fflags +bitexact -flags:v +bitexact"
 # imageio options of an MP4. imageio chooses neither the quality, which is among the x264 options,
 # nor the size, which is even. Its plugin for PyAV has no parameter for the quality, and takes no
@@ -77,9 +79,9 @@ _WEBP_OPTIONS: dict[str, Any] = {
 class Frames:
     """Frames of a film, which can be read once.
 
-    The F `pictures` (mode P) have one table of at most 255 colours, and are drawn while they are read; `ends` (F,) are
-    the film times, s, until which they are shown. `size` is that of the film, pixels, for which pictures are cropped;
-    `fps` is the number of frames per second.
+    The F `pictures` (mode P) have one table of at most 255 colours, and are drawn while they are
+    read; `ends` (F,) are the film times, s, until which they are shown. `size` is that of the film,
+    pixels, for which pictures are cropped; `fps` is the number of frames per second.
     """
 
     pictures: Iterator[Image.Image]
@@ -134,7 +136,8 @@ def _write_mp4(path: Path, frames: Frames) -> None:
 
     One frame is in memory.
 
-    A `MissingExtraError` is raised if FFmpeg is not found, an `OSError` if it does not write all frames.
+    A `MissingExtraError` is raised if FFmpeg is not found, an `OSError` if it does not write all
+    frames.
     """
     library("imageio_ffmpeg")
 

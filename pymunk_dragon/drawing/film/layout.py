@@ -20,8 +20,8 @@ from pymunk_dragon.drawing.scene import Scene, text_height
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.run import Run
 
-# Widths of the head bench in a view that follows it: 6 m for the paper's 0.3 m, which shows the head's turn of the
-# spiral and both adjacent turns, where near misses occur.
+# Widths of the head bench in a view that follows it: 6 m for the paper's 0.3 m, which shows the
+# head's turn of the spiral and both adjacent turns, where near misses occur.
 _HEAD_SPAN = 20.0
 # Ratio of the title's type size to that of the other text.
 _TITLE_SCALE = 1.25
@@ -33,7 +33,8 @@ _FIELD_BORDER = 0.01
 _SAMPLES = 64
 # Pixels: a narrower picture has no legend.
 _LEGEND_WIDTH = 300
-# Pixels: largest height of an H.264 stream that FFmpeg writes. Only texts in hundreds of lines are higher.
+# Pixels: largest height of an H.264 stream that FFmpeg writes. Only texts in hundreds of lines are
+# higher.
 _MAX_HEIGHT = 16_384
 # Largest length of a scale bar, as a fraction of the width of a scene.
 _MAX_SCALE_BAR = 0.2
@@ -45,8 +46,9 @@ _Samples = list[tuple[float, Array]]
 class Layout:
     """Scenes of a film side by side, with texts around them, from which frames of the `size` are drawn, pixels.
 
-    Pictures side by side are compared, so they have one scale. A long title or caption is wrapped, a long heading
-    cropped. A `ParameterError` is raised if a source has no data for an overlay, or the font lacks a character.
+    Pictures side by side are compared, so they have one scale. A long title or caption is wrapped,
+    a long heading cropped. A `ParameterError` is raised if a source has no data for an overlay, or
+    the font lacks a character.
     """
 
     def __init__(self, takes: Sequence[Take], times: Array, film: Film) -> None:

@@ -11,9 +11,11 @@ from pymunk_dragon.drawing.camera import Camera
 from pymunk_dragon.drawing.marks import OVERLAYS
 from pymunk_dragon.errors import ParameterError
 
-# Frames per second, of which whole centiseconds are delays in a GIF; at most the refresh rate of common screens.
+# Frames per second, of which whole centiseconds are delays in a GIF; at most the refresh rate of
+# common screens.
 _FPS, _MAX_FPS = 20, 60
-# Pixels: in a smaller picture the text covers the dragon, and a film is not a suitable format for larger ones.
+# Pixels: in a smaller picture the text covers the dragon, and a film is not a suitable format for
+# larger ones.
 _SIZES = 64, 2048
 # s: a longer one is taken for a typing error.
 _MAX_HOLD = 60.0
@@ -30,14 +32,16 @@ class Film:
     fps : int
         Frames per second of film, at most 60, and 50 in a GIF.
     speedup : float, optional
-        Simulated seconds per second of film. By default the film slows down towards near misses and contacts.
+        Simulated seconds per second of film. By default the film slows down towards near misses and
+        contacts.
     size : int or tuple of int
-        Width and height of the picture without texts, pixels; one number for a square. An MP4 leaves out the last
-        column or row that would make the size of the film odd.
+        Width and height of the picture without texts, pixels; one number for a square. An MP4
+        leaves out the last column or row that would make the size of the film odd.
     start, until : float, optional
-        Simulated time of the first and the last frame, s. By default a film with a constant speed begins with the run,
-        any other late enough to be 11 s long, and both end with the run. A march ends with its first contact, or
-        after 60 s if there is none or its curve has no end; several marches require `until`.
+        Simulated time of the first and the last frame, s. By default a film with a constant speed
+        begins with the run, any other late enough to be 11 s long, and both end with the run. A
+        march ends with its first contact, or after 60 s if there is none or its curve has no end;
+        several marches require `until`.
     hold : float
         Duration of the last frame, s.
     camera : Camera
@@ -45,12 +49,13 @@ class Film:
     legend : bool
         Whether to display a legend and a scale bar below the picture, if it is wide enough.
     show : tuple of str
-        Overlays by their names in `OVERLAYS`: "velocities"; "grid"; "contacts", for runs only; "impulses" in the
-        joints, for runs of the engine only.
+        Overlays by their names in `OVERLAYS`: "velocities"; "grid"; "contacts", for runs only;
+        "impulses" in the joints, for runs of the engine only.
     title, caption : str
         Text above and below the picture; the height of the film increases accordingly.
     headings : tuple of str
-        Text above each of several pictures side by side; by default the model that computed the run.
+        Text above each of several pictures side by side; by default the model that computed the
+        run.
 
     Raises
     ------

@@ -35,9 +35,9 @@ Window = tuple[float, float]
 class Take(Snapshots):
     """A source of a film, and what the film shows of it.
 
-    `window` has the first and the last time of the film, s, which are the same for all its takes. `beside` is the run
-    that is shown beside its exact march. `search` is the result of the search for the first contact of the exact model,
-    None if the film does not need it.
+    `window` has the first and the last time of the film, s, which are the same for all its takes.
+    `beside` is the run that is shown beside its exact march. `search` is the result of the search
+    for the first contact of the exact model, None if the film does not need it.
     """
 
     window: Window
@@ -145,7 +145,8 @@ def takes_in(
 def _default_end(march: March, start: float) -> tuple[FirstContact | None, float]:
     """Return the time at which a film of a march ends by default, s, and the search that was made for it.
 
-    It is the time of the first contact, or 60 s after `start` if there is none, or if the curve has no end.
+    It is the time of the first contact, or 60 s after `start` if there is none, or if the curve has
+    no end.
     """
     search = None
     if start < march.end < math.inf:

@@ -1,8 +1,8 @@
 """Times of a film's frames, at a constant speed or at one that falls towards near misses and contacts.
 
-Without `speedup`, the time of the film is a smooth, rising function of the simulated time t: t / rate, and a sigmoid
-(arctan) for every event, which adds a duration around the event. So the film plays at `rate` far from all events, and
-slows down towards each of them.
+Without `speedup`, the time of the film is a smooth, rising function of the simulated time t: t /
+rate, and a sigmoid (arctan) for every event, which adds a duration around the event. So the film
+plays at `rate` far from all events, and slows down towards each of them.
 """
 
 from __future__ import annotations
@@ -18,14 +18,17 @@ from pymunk_dragon.drawing.film.settings import Film
 from pymunk_dragon.drawing.film.take import Take
 from pymunk_dragon.errors import ParameterError
 
-# Largest travel of the head per frame, in shortest spacings of the body: 0.66 m of the paper's 1.65 m. From half a
-# spacing on, a bench is nearer to the previous position of the next bench than to its own: the dragon creeps backwards.
-# If the camera follows the head, 0.17 m, because the ground moves through a view of about 6 m.
+# Largest travel of the head per frame, in shortest spacings of the body: 0.66 m of the paper's 1.65
+# m. From half a spacing on, a bench is nearer to the previous position of the next bench than to
+# its own: the dragon creeps backwards. If the camera follows the head, 0.17 m, because the ground
+# moves through a view of about 6 m.
 _ADVANCE = {"field": 0.4, "head": 0.1}
-# s: length of a film whose start is chosen, without the hold of its last frame: 170 frames, or a GIF of 3.7 MB.
+# s: length of a film whose start is chosen, without the hold of its last frame: 170 frames, or a
+# GIF of 3.7 MB.
 _CHOSEN_LENGTH = 8.5
-# s: shortest film without hold, and the longest without events. A shorter one plays at half of real time far from
-# events, or slower if the limit on the head's travel demands it; a longer one does not keep this limit.
+# s: shortest film without hold, and the longest without events. A shorter one plays at half of real
+# time far from events, or slower if the limit on the head's travel demands it; a longer one does
+# not keep this limit.
 _SHORTEST, _LONGEST, _SLOWEST = 5.5, 60.0, 0.5
 # s of film that a near miss adds, and that a contact adds (a film that ends with it has half).
 _NEAR_MISS_TIME, _CONTACT_TIME = 1.0, 2.0
@@ -89,7 +92,8 @@ def _slowed(takes: Sequence[Take], film: Film) -> Array:
     In a frame the head travels at most so many shortest spacings of the body as `_ADVANCE` says.
     """
     start, until = window = takes[0].window
-    # s: the least time in which the head travels so far. Without the head's spacing, if there is another.
+    # s: the least time in which the head travels so far. Without the head's spacing, if there is
+    # another.
     marches = [take.march for take in takes]
     spacings = [
         float(march.dragon.spacings[-max(1, march.dragon.benches - 1) :].min()) for march in marches

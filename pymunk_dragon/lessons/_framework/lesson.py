@@ -25,7 +25,8 @@ HEADING = re.compile(r"^##? (.+)\n", re.MULTILINE)
 class Block(NamedTuple):
     """A paragraph, and the items of the list below it.
 
-    Below a question there is an item for each choice: what the run shows, or why it tempts. The right one is bold.
+    Below a question there is an item for each choice: what the run shows, or why it tempts. The
+    right one is bold.
     """
 
     text: str
@@ -51,13 +52,14 @@ class Lesson:
     path : Path
         The file.
     texts : mapping of str to str
-        The Markdown of each section in English: "Title", "Question", and those below headings, as "Guess".
+        The Markdown of each section in English: "Title", "Question", and those below headings, as
+        "Guess".
     cells : tuple of str
         The code of each cell.
     options : mapping of str to Any
-        Options of the first cell: `order`, by which lessons are sorted; `scene`, the name of a live scene; `view`, the
-        centre, width and height of one that the program builds; and `axes`, on which the class draws its guess: two
-        labels with "|" between.
+        Options of the first cell: `order`, by which lessons are sorted; `scene`, the name of a live
+        scene; `view`, the centre, width and height of one that the program builds; and `axes`, on
+        which the class draws its guess: two labels with "|" between.
 
     Examples
     --------

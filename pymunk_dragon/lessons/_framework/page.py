@@ -26,7 +26,8 @@ MEDIA_TYPES = {
     ".py": "text/x-python",
     ".ipynb": "application/x-ipynb+json",
 }
-# Scripts of the page, between the last two of which the stages of the lessons stand; and its styles.
+# Scripts of the page, between the last two of which the stages of the lessons stand; and its
+# styles.
 SCRIPTS = [f"web/assets/{name}.js" for name in ("common", "geometry", "pane")]
 SCRIPTS += [f"{ASSETS}/{name}.js" for name in ("chain", "lab", "lessons")]
 STYLES = (f"{ASSETS}/lessons.css", f"{ASSETS}/lab.css")
@@ -51,16 +52,19 @@ def write_lessons(
     lessons : sequence of Lesson
         The lessons; for a page each of them is run.
     path : path
-        File to write, ending in .html, .ipynb or .py. An interrupted call leaves the old file or none.
+        File to write, ending in .html, .ipynb or .py. An interrupted call leaves the old file or
+        none.
     language : str
-        "en" or "zh": that of the texts of a notebook, or in which a page opens. A program is English.
+        "en" or "zh": that of the texts of a notebook, or in which a page opens. A program is
+        English.
     progress : callable, optional
         Called with the number of lessons that were run, and of all, after each one.
 
     Raises
     ------
     ParameterError, OutputError, MissingExtraError
-        If the file cannot be written, or the language is unknown; if writing fails; if a library is not installed.
+        If the file cannot be written, or the language is unknown; if writing fails; if a library is
+        not installed.
 
     Examples
     --------

@@ -14,7 +14,8 @@ from pymunk_dragon.model.curves.base import FARTHEST, PackageCurve, position
 
 # m. Smaller circles are too narrow even for benches of a millimetre.
 _MIN_RADIUS = 1e-3
-# rad: a thousand turns, and the angle at which they begin. More is taken for a typing error, and costs digits.
+# rad: a thousand turns, and the angle at which they begin. More is taken for a typing error, and
+# costs digits.
 _MAX_ANGLE = 2000 * math.pi
 # m. Less is taken for a typing error.
 _SHORTEST = 1e-9
@@ -33,7 +34,8 @@ class Arc(PackageCurve, kind="arc"):
     begin_angle : float
         Direction from the centre to where the arc begins, rad, at most 1000 turns.
     sweep : float
-        Angle that it covers, positive counter-clockwise, rad, at most 1000 turns: after one, the arc goes round again.
+        Angle that it covers, positive counter-clockwise, rad, at most 1000 turns: after one, the
+        arc goes round again.
 
     Examples
     --------

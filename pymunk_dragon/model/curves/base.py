@@ -19,33 +19,39 @@ from pymunk_dragon.model import chain
 FARTHEST = 1e5
 # m along a curve without end: at this coordinate a double resolves 0.1 m.
 _FARTHEST_S = 1e15
-# Levels of curves inside curves. A level takes up to 4 of Python's 1000 nested calls in an evaluation.
+# Levels of curves inside curves. A level takes up to 4 of Python's 1000 nested calls in an
+# evaluation.
 _MAX_DEPTH = 32
 # m: from a micrometre to ten times the farthest point.
 _SPACINGS = 1e-6, 10 * FARTHEST
 # Sine of half the angle of an arc that is as long as its chord.
 _LEAST_SINE = 1e-9
-# So close to the estimate of a foot, the path differs from its tangent by a few 1e-11 of the radius of curvature.
+# So close to the estimate of a foot, the path differs from its tangent by a few 1e-11 of the radius
+# of curvature.
 _NEAR_FOOT = 1e-5
-# Passes for a foot: each leaves a share of the error, the distance from the path over its radius of curvature.
+# Passes for a foot: each leaves a share of the error, the distance from the path over its radius of
+# curvature.
 _FOOT_PASSES = 20
 
 
 class Curve(ABC):
     """A smooth path with a direction of travel, by arc length.
 
-    For a curve of your own, derive a class that defines `begin_s`, `end_s`, `point`, `tangent`, `curvature` and
-    `max_curvature`, and call `check_curve` on one of its objects: marches, certified first contacts and the engine rely
-    on what it checks. ``class Name(Curve, kind="name")`` also registers a dataclass, so that scenario files and saved
+    For a curve of your own, derive a class that defines `begin_s`, `end_s`, `point`, `tangent`,
+    `curvature` and `max_curvature`, and call `check_curve` on one of its objects: marches,
+    certified first contacts and the engine rely on what it checks.
+    ``class Name(Curve, kind="name")`` also registers a dataclass, so that scenario files and saved
     runs may contain it.
 
-    A point of the path is given by its arc-length coordinate ``s`` in m, which grows in the direction of travel; each
-    curve defines its zero. Coordinates may be arrays of any shape; results have that shape, or that shape + (2,) for
-    points and vectors. Beyond the ends they are nan.
+    A point of the path is given by its arc-length coordinate ``s`` in m, which grows in the
+    direction of travel; each curve defines its zero. Coordinates may be arrays of any shape;
+    results have that shape, or that shape + (2,) for points and vectors. Beyond the ends they are
+    nan.
 
     Examples
     --------
-    A rope that hangs between two posts, with its lowest point at (0, 2) m, where the curvature is largest:
+    A rope that hangs between two posts, with its lowest point at (0, 2) m, where the curvature is
+    largest:
 
     >>> import numpy as np
     >>> class Catenary(Curve):
@@ -76,7 +82,8 @@ class Curve(ABC):
     # Parameters that are flags of the command line: a placeholder of the value, and a description.
     flags: ClassVar[Mapping[str, tuple[str, str]]] = {}
 
-    # Distance between neighbouring turns, m, which benches have to be narrower than; None without such turns.
+    # Distance between neighbouring turns, m, which benches have to be narrower than; None without
+    # such turns.
     turn_width: float | None = None
     # Circles about the curve that pictures show: x and y of the centre, and radius, m.
     circles: tuple[tuple[float, float, float], ...] = ()
@@ -123,9 +130,10 @@ class Curve(ABC):
     def chain(self, s: ArrayLike, spacings: ArrayLike) -> Array:
         """Coordinates (T, N + 1), m, of all handles of chains with the heads at `s` (T,) and the `spacings` (N,), m.
 
-        Each handle is at the first point back along the path whose straight distance from the handle before is the
-        spacing; that distance has to grow over the whole arc between. A handle that has no such point is nan, as all
-        behind it. Motion may take a chain to other states: `March` follows it.
+        Each handle is at the first point back along the path whose straight distance from the
+        handle before is the spacing; that distance has to grow over the whole arc between. A handle
+        that has no such point is nan, as all behind it. Motion may take a chain to other states:
+        `March` follows it.
 
         Examples
         --------
@@ -139,8 +147,8 @@ class Curve(ABC):
     def foot(self, points: ArrayLike, near: ArrayLike) -> tuple[Array, Array, Array]:
         """Feet of the perpendiculars from `points` (..., 2), m, to the path nearest to the coordinates `near` (...), m.
 
-        Returns their coordinates (...) and points (..., 2), m, and the unit tangents (..., 2) there. The points have to
-        be closer to the path than its radius of curvature.
+        Returns their coordinates (...) and points (..., 2), m, and the unit tangents (..., 2)
+        there. The points have to be closer to the path than its radius of curvature.
 
         Examples
         --------
@@ -179,7 +187,8 @@ class Curve(ABC):
     def to_dict(self) -> dict[str, Any]:
         """Kind and parameters as plain values, of which `Curve.from_dict` makes an equal curve.
 
-        The classes of the curve and of those inside it must be registered, and at most 32 levels may be nested.
+        The classes of the curve and of those inside it must be registered, and at most 32 levels
+        may be nested.
         """
         plain: dict[str, Any] = _plain(self, "curve", 1)
         return plain
@@ -200,7 +209,8 @@ class Curve(ABC):
         curve: Curve = _made(values, "curve", 1)
         return curve
 
-    # What follows are faster or closed forms that a curve may have; `check_curve` checks that they agree with `point`.
+    # What follows are faster or closed forms that a curve may have; `check_curve` checks that they
+    # agree with `point`.
 
     def _inside(self, s: Array) -> Array:
         """Coordinates, with nan for those off the curve."""
@@ -235,8 +245,8 @@ class Curve(ABC):
 class PackageCurve(Curve):
     """Base class of the package's curves: checks arguments once, and computes points and tangents together.
 
-    Derived classes have `_frame` and `_curvature` for coordinates (...) that are nan off the curve, and
-    `_max_curvature` for intervals (...) whose lower ends are nan if they are off the curve.
+    Derived classes have `_frame` and `_curvature` for coordinates (...) that are nan off the curve,
+    and `_max_curvature` for intervals (...) whose lower ends are nan if they are off the curve.
     """
 
     def point(self, s: ArrayLike) -> Array:

@@ -14,10 +14,11 @@ from pymunk_dragon.model.curves.base import Curve, required_curve
 
 # Coordinates at which a curve is sampled, and m of an infinite one that are sampled.
 _SAMPLES, _REACH = 2001, 200.0
-# m. Central differences over it are off by its square, and rounding by a double's last digit over it.
+# m. Central differences over it are off by its square, and rounding by a double's last digit over
+# it.
 _STEP = 1e-4
-# Of a unit vector, and of a curvature times a metre: for derivatives by differences, where the radius is 1 m, for two
-# ways to compute the same, and for rounding.
+# Of a unit vector, and of a curvature times a metre: for derivatives by differences, where the
+# radius is 1 m, for two ways to compute the same, and for rounding.
 _TOLERANCE, _SAME, _ROUNDING = 3e-7, 1e-9, 1e-12
 # m beyond an end that are no rounding, and more.
 _BEYOND = np.array([1e-6, 1.0, 1e9])
@@ -30,17 +31,19 @@ _TAILS: dict[str, tuple[int, ...]] = {"point": (2,), "tangent": (2,), "curvature
 def check_curve(curve: Curve, low: float | None = None, high: float | None = None) -> None:
     """Check that a curve of your own keeps what `Curve` requires; a `ParameterError` names the first fault.
 
-    Call it once, in the tests of your class: marches do not check at each call what a curve returns. It samples the
-    curve at 2001 coordinates. Results must have the shapes of the arguments and be finite between the ends and nan
-    beyond; the derivative of `point` must be `tangent`, and that of `tangent` the curvature, which may jump;
-    `max_curvature` must be above all curvatures; and what the class inherits must agree with its `point`.
+    Call it once, in the tests of your class: marches do not check at each call what a curve
+    returns. It samples the curve at 2001 coordinates. Results must have the shapes of the arguments
+    and be finite between the ends and nan beyond; the derivative of `point` must be `tangent`, and
+    that of `tangent` the curvature, which may jump; `max_curvature` must be above all curvatures;
+    and what the class inherits must agree with its `point`.
 
     Parameters
     ----------
     curve : Curve
         An object of the class.
     low, high : float, optional
-        Coordinates between which it is sampled, m: by default the ends, or 200 m of a curve without end.
+        Coordinates between which it is sampled, m: by default the ends, or 200 m of a curve without
+        end.
 
     Examples
     --------

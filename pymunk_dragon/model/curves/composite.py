@@ -15,7 +15,8 @@ from pymunk_dragon._checks import number
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.curves.base import Curve, PackageCurve, required_curve
 
-# m and rad that two pieces may be apart where they meet: far above rounding, and far below what results need.
+# m and rad that two pieces may be apart where they meet: far above rounding, and far below what
+# results need.
 _MAX_GAP = _MAX_KINK = 1e-9
 # m before a section at which a handle still counts as on it.
 _ROUNDING = 1e-10
@@ -37,18 +38,20 @@ class _Link(NamedTuple):
 class Composite(PackageCurve, kind="composite"):
     """Curves joined end to begin, without gaps and kinks: they may be 1e-9 m and 1e-9 rad apart.
 
-    Its coordinate is 0 where the first piece begins, or where the first piece ends if it comes from infinity.
+    Its coordinate is 0 where the first piece begins, or where the first piece ends if it comes from
+    infinity.
 
     Parameters
     ----------
     pieces : sequence of Curve
-        In the order of travel. Only the first may come from infinity, only the last may go on for ever.
+        In the order of travel. Only the first may come from infinity, only the last may go on for
+        ever.
 
     Attributes
     ----------
     joints : tuple of float
-        Coordinates at which a piece ends and the next one begins, m: one fewer than pieces. At a joint the curvature is
-        that of the later piece.
+        Coordinates at which a piece ends and the next one begins, m: one fewer than pieces. At a
+        joint the curvature is that of the later piece.
 
     Examples
     --------

@@ -30,13 +30,16 @@ _MIN_POINTS = 4
 _MAX_POINTS = 50_000
 # m. Neighbouring points closer than this count as one point given twice.
 _MIN_CHORD = 1e-3
-# Share of a cell: after so small a step of Newton's the next one is below the last digit; and passes: 3 are enough.
+# Share of a cell: after so small a step of Newton's the next one is below the last digit; and
+# passes: 3 are enough.
 _STEP_TOLERANCE, _MAX_PASSES = 1e-9, 8
-# Share of a cell's length. Halves that agree with the whole so well have 16 more bits than this, and rounding has none.
+# Share of a cell's length. Halves that agree with the whole so well have 16 more bits than this,
+# and rounding has none.
 _LENGTH_TOLERANCE = 4e-15
 # Share of the parametric speed along the chords. A slower path is close to a cusp.
 _MIN_SPEED = 0.01
-# Excess of the bound on a cell's curvature, as a share of the cell's curvature and of the path's largest one.
+# Excess of the bound on a cell's curvature, as a share of the cell's curvature and of the path's
+# largest one.
 _LOOSE, _LOOSE_OVERALL = 0.02, 0.001
 # Parameters in a cell at which speed and curvature are sampled.
 _SEEN = (0.0, 0.5, 1.0)
@@ -44,7 +47,8 @@ _SEEN = (0.0, 0.5, 1.0)
 _ROUNDING = 1e-9
 # Times that a cell is halved. A path that needs more has a cusp; others need fewer than ten.
 _MAX_HALVINGS = 40
-# From the powers of a polynomial on [0, 1] to its Bernstein coefficients, between which all its values lie.
+# From the powers of a polynomial on [0, 1] to its Bernstein coefficients, between which all its
+# values lie.
 _BERNSTEIN_2 = np.array([[1, 0, 0], [1, 1 / 2, 0], [1, 1, 1]])
 _BERNSTEIN_4 = np.array(
     [
@@ -61,14 +65,14 @@ _BERNSTEIN_4 = np.array(
 class Sampled(ArrayRecord, PackageCurve, kind="sampled"):
     """Smooth path through points: the cubic spline by chord length, whose curvature is continuous (not-a-knot ends).
 
-    It begins at the first point and ends at the last one; the coordinate is the arc length from the first. Two paths
-    are equal if their points are. It needs SciPy.
+    It begins at the first point and ends at the last one; the coordinate is the arc length from the
+    first. Two paths are equal if their points are. It needs SciPy.
 
     Parameters
     ----------
     points : array_like, shape (N, 2)
-        x and y in m, in the order of travel, N from 4 to 50 000: at least 1 mm apart, and at most 100 km from the
-        origin along either axis. A path that nearly has a cusp is refused.
+        x and y in m, in the order of travel, N from 4 to 50 000: at least 1 mm apart, and at most
+        100 km from the origin along either axis. A path that nearly has a cusp is refused.
 
     References
     ----------
@@ -84,10 +88,12 @@ class Sampled(ArrayRecord, PackageCurve, kind="sampled"):
     begin_s = 0.0
 
     points: Array
-    # C cells: coefficients (C, 4) of 1, w, w^2, w^3 for w from 0 to 1, m; bounds on the curvatures (C,), 1/m.
+    # C cells: coefficients (C, 4) of 1, w, w^2, w^3 for w from 0 to 1, m; bounds on the curvatures
+    # (C,), 1/m.
     _cubics: Complex = field(init=False, repr=False, compare=False)
     _curvatures: Array = field(init=False, repr=False, compare=False)
-    # Lengths of the cells, m, and coordinates at which they begin and the last one ends, (C + 1,), m.
+    # Lengths of the cells, m, and coordinates at which they begin and the last one ends, (C + 1,),
+    # m.
     _lengths: Array = field(init=False, repr=False, compare=False)
     _edges: Array = field(init=False, repr=False, compare=False)
 
@@ -198,7 +204,8 @@ def _cut(cubics: Complex, path: Complex) -> tuple[Complex, Array, Array]:
 
 def _bounds(cubics: Complex) -> tuple[Array, Array]:
     """Lower bound on the speed and upper bound on the size of the curvature of each cubic, (n,) each."""
-    # The velocity is one + two w + three w^2; the real part of a product is a dot, the imaginary part a cross product.
+    # The velocity is one + two w + three w^2; the real part of a product is a dot, the imaginary
+    # part a cross product.
     one, two, three = cubics[:, 1], 2 * cubics[:, 2], 3 * cubics[:, 3]
     a, b, c = one.conj() * two, one.conj() * three, two.conj() * three
     ones, twos, threes = (np.square(np.abs(each)) for each in (one, two, three))

@@ -17,13 +17,16 @@ from pymunk_dragon.model.curves.base import PackageCurve, within_reach
 _MIN_PITCH, MAX_PITCH = 0.001, 1000.0
 # rad.
 _TURN = 2 * np.pi
-# A thousand turns of the contest's pitch are a dance floor of a kilometre; more is taken for a typing error.
+# A thousand turns of the contest's pitch are a dance floor of a kilometre; more is taken for a
+# typing error.
 _MAX_TURNS = 1000.0
 # Passes of Halley's method: it needs 2.
 _MAX_PASSES = 20
-# Share of an angle: after such a step of Halley's method, which trebles the digits, the next is below the last one.
+# Share of an angle: after such a step of Halley's method, which trebles the digits, the next is
+# below the last one.
 _HALLEY_TOLERANCE = 5e-6
-# Twice the arc length over k from which the angle is estimated by its asymptotic form; it is right to 2 % there.
+# Twice the arc length over k from which the angle is estimated by its asymptotic form; it is right
+# to 2 % there.
 _FAR_OUT = 8.0
 
 
@@ -36,8 +39,8 @@ class Spiral(PackageCurve, kind="spiral"):
     pitch : float
         Radial distance between turns, m, from 0.001 to 1000.
     rotation : float
-        Angle by which the spiral is turned about the origin, counter-clockwise, rad, from -1000 to 1000. At 0 it leaves
-        the centre along the x axis.
+        Angle by which the spiral is turned about the origin, counter-clockwise, rad, from -1000 to
+        1000. At 0 it leaves the centre along the x axis.
     outward : bool
         Whether it is travelled from the centre out; the paper's goes in.
 
@@ -93,7 +96,8 @@ class Spiral(PackageCurve, kind="spiral"):
         length = np.atleast_1d(self._sign * within_reach("s", numbers("s", s)))
         # Twice the arc length over k: theta sqrt(theta^2 + 1) + arcsinh theta (eq. 3-5).
         target = np.maximum(length, 0.0) * (2 / self.k)
-        # The asymptotic form theta^2 = target - log(4 theta^2) / 2 - 1 / 2 - ..., or the tangent at the centre.
+        # The asymptotic form theta^2 = target - log(4 theta^2) / 2 - 1 / 2 - ..., or the tangent at
+        # the centre.
         far = np.maximum(target, _FAR_OUT)
         square = far - 0.5 - np.log(4 * far - 2 * np.log(4 * far) - 2) / 2
         theta = np.where(target > _FAR_OUT, np.sqrt(square), target / 2)
@@ -123,7 +127,8 @@ class Spiral(PackageCurve, kind="spiral"):
     def foot(self, points: ArrayLike, near: ArrayLike) -> tuple[Array, Array, Array]:
         """As on any curve, but at the polar angles of `points`: a division replaces four sines.
 
-        Guides call this at every substep, and most of its time is NumPy's for each call: so there are few, in place.
+        Guides call this at every substep, and most of its time is NumPy's for each call: so there
+        are few, in place.
         """
         xy, s = numbers("points", points, 2), numbers("near", near)
         fitting("points and near", xy.shape[:-1], s.shape)
@@ -135,7 +140,8 @@ class Spiral(PackageCurve, kind="spiral"):
         """What `foot` returns, for points (..., 2) and coordinates (...)."""
         z = _turned(as_complex(xy), -self.rotation)
         theta = np.arctan2(z.imag, z.real)
-        # The angle at `near` to a few hundredths, except on the innermost turn: enough to identify the turn.
+        # The angle at `near` to a few hundredths, except on the innermost turn: enough to identify
+        # the turn.
         turns = np.sqrt(2 / self.k * np.abs(s))
         turns -= theta
         turns *= 1 / _TURN
@@ -175,8 +181,9 @@ class Spiral(PackageCurve, kind="spiral"):
     def _estimate(self, heads: Array, parameters: Array, spacings: Array) -> Array:
         """Estimated parameters (H, T), as on any curve.
 
-        Where M is the mean square of the angles of two handles, and c the spacing over k, the square grows by
-        4 sqrt(M) arcsin x from one to the other, with x^2 = c^2 / 4 (M - 1) / M^2. M grows by nearly 2 c.
+        Where M is the mean square of the angles of two handles, and c the spacing over k, the
+        square grows by 4 sqrt(M) arcsin x from one to the other, with x^2 = c^2 / 4 (M - 1) / M^2.
+        M grows by nearly 2 c.
         """
         if self.outward:
             return super()._estimate(heads, parameters, spacings)

@@ -15,7 +15,8 @@ from pymunk_dragon.model.curves.base import Curve
 from pymunk_dragon.model.curves.composite import Composite, Section
 from pymunk_dragon.model.curves.spiral import Spiral
 
-# m. Smaller circles are too narrow for benches; on larger ones, coordinates on the spiral lose digits.
+# m. Smaller circles are too narrow for benches; on larger ones, coordinates on the spiral lose
+# digits.
 _MIN_RADIUS, _MAX_RADIUS = 0.1, 100.0
 _MAX_RATIO = 50.0  # Beyond it the turn is one on a single arc.
 
@@ -24,9 +25,10 @@ _MAX_RATIO = 50.0  # Beyond it the turn is one on a single arc.
 class UTurn(Composite, kind="u-turn"):
     """In on a spiral, round inside a circle on two arcs that touch, and out on the spiral turned by 180 degrees.
 
-    The coordinate is 0 at the entry to the circle. Entry and exit are opposite to each other with equal tangents, so
-    both arcs turn by twice the angle between the entry's direction and the straight line to the exit. That fixes the
-    sum of the radii, and the length of the turn, whatever the ratio.
+    The coordinate is 0 at the entry to the circle. Entry and exit are opposite to each other with
+    equal tangents, so both arcs turn by twice the angle between the entry's direction and the
+    straight line to the exit. That fixes the sum of the radii, and the length of the turn, whatever
+    the ratio.
 
     Parameters
     ----------
@@ -40,8 +42,8 @@ class UTurn(Composite, kind="u-turn"):
     Attributes
     ----------
     length, radii, sweeps, centres, tangent_points
-        Length of both arcs, m; for each, radius, m, angle, rad, and centre (2,), m; and (3, 2), m, entry, the point
-        between the arcs, and exit.
+        Length of both arcs, m; for each, radius, m, angle, rad, and centre (2,), m; and (3, 2), m,
+        entry, the point between the arcs, and exit.
 
     Examples
     --------
@@ -75,12 +77,14 @@ class UTurn(Composite, kind="u-turn"):
             inward.at_radius(radius),
             Spiral(pitch=self.pitch, rotation=math.pi, outward=True),
         )
-        # The polar angle of the entry; the angle between the path there and the straight line to the exit.
+        # The polar angle of the entry; the angle between the path there and the straight line to
+        # the exit.
         angle = 2 * math.pi * radius / inward.pitch
         aside = math.atan(angle)
         heading = angle - math.pi + aside
         sweeps = np.array([-2 * aside, 2 * aside])
-        # Each arc's chord is twice its radius times the sine of half its angle; together they are the diameter.
+        # Each arc's chord is twice its radius times the sine of half its angle; together they are
+        # the diameter.
         radii = radius / math.sin(aside) / (1 + ratio) * np.array([ratio, 1.0])
         points = np.outer(
             [1.0, (1 - ratio) / (1 + ratio), -1.0],
