@@ -1,28 +1,62 @@
 // Drag the next handle round handle 0, on the circle of a bench: where on the spiral does it belong?
 stages.chain = (lab) => {
   const snap = 0.05; // m: a handle so close to a point of the spiral is put on it
-  const time = lab.slider(["time", "时间"], { min: 0, max: 420, step: 1, value: 300, unit: "s", play: () => 10 });
-  const bench = lab.slider(["handle to handle", "把手间距"], { min: 1, max: 2.86, step: 0.01, value: 2.86, unit: "m" });
-  const { spiral, begin } = new March(), points = curvePoints(spiral, begin - 200, 0), found = new Set();
-  let angle = 0.5, head, from, right, met, own, correct;
+  const time = lab.slider(["time", "时间"], {
+    min: 0,
+    max: 420,
+    step: 1,
+    value: 300,
+    unit: "s",
+    play: () => 10,
+  });
+  const bench = lab.slider(["handle to handle", "把手间距"], {
+    min: 1,
+    max: 2.86,
+    step: 0.01,
+    value: 2.86,
+    unit: "m",
+  });
+  const { spiral, begin } = new March();
+  const points = curvePoints(spiral, begin - 200, 0);
+  const found = new Set();
+  let angle = 0.5;
+  let head;
+  let from;
+  let right;
+  let met;
+  let own;
+  let correct;
 
-  const next = () => [from[0] + bench.value * Math.cos(angle), from[1] + bench.value * Math.sin(angle)];
+  const next = () => [
+    from[0] + bench.value * Math.cos(angle),
+    from[1] + bench.value * Math.sin(angle),
+  ];
   const apart = ([x, y], [otherX, otherY]) => Math.hypot(x - otherX, y - otherY);
   const angleTo = ([x, y]) => Math.atan2(y - from[1], x - from[0]);
   const onSpiral = () => met.find((s) => apart(spiral.frame(s), next()) < snap);
   // Coordinates, from the outside in, at which the distance from handle 0 passes the bench.
   const meetings = () => {
-    const excess = (s) => apart(spiral.frame(s), from) - bench.value, roots = [], theta = spiral.angle(head);
-    for (let s = spiral.atAngle(theta + bench.value / spiral.k + 1), last = excess(s); s < 0; s += snap) {
+    const excess = (s) => apart(spiral.frame(s), from) - bench.value;
+    const roots = [];
+    const theta = spiral.angle(head);
+    for (
+      let s = spiral.atAngle(theta + bench.value / spiral.k + 1), last = excess(s);
+      s < 0;
+      s += snap
+    ) {
       const here = excess(s + snap);
-      if (last * here < 0) roots.push(rootBetween((at) => excess(at) * Math.sign(last), s, s + snap));
+      if (last * here < 0) {
+        roots.push(rootBetween((at) => excess(at) * Math.sign(last), s, s + snap));
+      }
       last = here;
     }
     return roots;
   };
 
-  lab.label = ["Handle 0 on the spiral, the circle about it, and the next handle",
-    "螺线上的 0 号把手，以它为圆心的圆，和下一个把手"];
+  lab.label = [
+    "Handle 0 on the spiral, the circle about it, and the next handle",
+    "螺线上的 0 号把手，以它为圆心的圆，和下一个把手",
+  ];
   lab.update = () => {
     head = begin + time.value;
     from = spiral.frame(head);
@@ -31,25 +65,34 @@ stages.chain = (lab) => {
     own = onSpiral();
     correct = Math.abs(own - right) < 1e-6;
   };
-  lab.pane(1, () => ({ x: from[0], y: from[1], size: 2.4 * bench.value }), (pane) => {
-    pane.line(points, { colour: "curve", width: 1.5 });
-    pane.line(circlePoints(from, bench.value), { colour: "quiet", dash: [4, 4] });
-    const ahead = curvePoints(spiral, head, head + 0.5);
-    pane.line(ahead, { width: 3 });
-    pane.benches(benchesBetween(makeDragon({ benches: 1, head: bench.value }), [from, next()]));
-    const way = own ? curvePoints(spiral, Math.min(own, head), Math.max(own, head), 0.03) : [];
-    pane.line(way, { colour: correct ? "tail" : "contact", width: 4 });
-    for (const s of met.filter((each) => found.has(each))) pane.dot(spiral.frame(s), { colour: "quiet" });
-    pane.dot(from, { radius: 6 });
-    // Beyond the end of the way, which it does not cover.
-    const below = ahead.at(-1)[1] < from[1];
-    pane.text(ahead.at(-1), lab.say(["handle 0, and its way ahead", "0 号把手及其前方的路"]), { dy: below ? 14 : -14 });
-  });
+  lab.pane(
+    1,
+    () => ({ x: from[0], y: from[1], size: 2.4 * bench.value }),
+    (pane) => {
+      pane.line(points, { colour: "curve", width: 1.5 });
+      pane.line(circlePoints(from, bench.value), { colour: "quiet", dash: [4, 4] });
+      const ahead = curvePoints(spiral, head, head + 0.5);
+      pane.line(ahead, { width: 3 });
+      pane.benches(benchesBetween(makeDragon({ benches: 1, head: bench.value }), [from, next()]));
+      const way = own ? curvePoints(spiral, Math.min(own, head), Math.max(own, head), 0.03) : [];
+      pane.line(way, { colour: correct ? "tail" : "contact", width: 4 });
+      for (const s of met.filter((each) => found.has(each))) {
+        pane.dot(spiral.frame(s), { colour: "quiet" });
+      }
+      pane.dot(from, { radius: 6 });
+      // Beyond the end of the way, which it does not cover.
+      const below = ahead.at(-1)[1] < from[1];
+      pane.text(ahead.at(-1), lab.say(["handle 0, and its way ahead", "0 号把手及其前方的路"]), {
+        dy: below ? 14 : -14,
+      });
+    },
+  );
   lab.knob(["The next handle: drag it round the circle", "下一个把手：沿圆周拖动"], {
     at: next,
     moved: (point, way) => {
-      const turned = (to) => Math.atan2(Math.sin(to - before), Math.cos(to - before)), before = angle;
-      angle = way ? angle + 3 * snap / bench.value * way : angleTo(point);
+      const turned = (to) => Math.atan2(Math.sin(to - before), Math.cos(to - before));
+      const before = angle;
+      angle = way ? angle + ((3 * snap) / bench.value) * way : angleTo(point);
       if (onSpiral()) angle = angleTo(spiral.frame(onSpiral()));
       // The points between the angle before and that now.
       const share = (s) => turned(angleTo(spiral.frame(s))) / turned(angle);
@@ -57,11 +100,20 @@ stages.chain = (lab) => {
     },
   });
   lab.readout = () => {
-    const off = apart(spiral.frame(right), next()).toFixed(2), along = Math.abs(head - own).toFixed(correct ? 3 : 1);
-    const [english, chinese] = !own ? [`Yours is not on the spiral, ${off} m off.`, `你的把手不在螺线上，差 ${off} m。`]
-      : own > head ? [`Yours is ${along} m ahead along the path.`, `你的把手在前方，沿路径 ${along} m。`]
-      : [`Yours is ${along} m back along the path, ${off} m off.`, `你的把手沿路径往回 ${along} m，差 ${off} m。`];
+    const off = apart(spiral.frame(right), next()).toFixed(2);
+    const along = Math.abs(head - own).toFixed(correct ? 3 : 1);
+    const [english, chinese] = !own
+      ? [`Yours is not on the spiral, ${off} m off.`, `你的把手不在螺线上，差 ${off} m。`]
+      : own > head
+        ? [`Yours is ${along} m ahead along the path.`, `你的把手在前方，沿路径 ${along} m。`]
+        : [
+            `Yours is ${along} m back along the path, ${off} m off.`,
+            `你的把手沿路径往回 ${along} m，差 ${off} m。`,
+          ];
     const n = met.filter((each) => found.has(each)).length;
-    return [`Points of the spiral found on the circle: ${n}. ${english}`, `圆上已找到 ${n} 个交点。${chinese}`];
+    return [
+      `Points of the spiral found on the circle: ${n}. ${english}`,
+      `圆上已找到 ${n} 个交点。${chinese}`,
+    ];
   };
 };

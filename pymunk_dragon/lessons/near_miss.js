@@ -2,29 +2,66 @@
 stages["near-miss"] = (lab) => {
   const [begin, end, exact] = [405, 412.6, 6]; // s; decimals from which on coordinates are not cut
   const time = lab.slider(["time", "时间"], {
-    min: begin, max: end, step: 0.01, value: begin, unit: "s", digits: 2, play: () => 0.5,
+    min: begin,
+    max: end,
+    step: 0.01,
+    value: begin,
+    unit: "s",
+    digits: 2,
+    play: () => 0.5,
   });
   const decimals = lab.slider(["coordinates", "坐标"], {
-    min: 1, max: exact, step: 1, value: exact,
-    show: (n) => lab.say(n === exact ? ["exact", "精确"] : [`cut to ${10 ** (3 - n)} mm`, `截到 ${10 ** (3 - n)} mm`]),
+    min: 1,
+    max: exact,
+    step: 1,
+    value: exact,
+    show: (n) =>
+      lab.say(
+        n === exact
+          ? ["exact", "精确"]
+          : [`cut to ${10 ** (3 - n)} mm`, `截到 ${10 ** (3 - n)} mm`],
+      ),
   });
-  const zoom = lab.slider(["zoom", "放大"], { min: 0, max: 3.2, step: 0.1, value: 0, show: magnification });
+  const zoom = lab.slider(["zoom", "放大"], {
+    min: 0,
+    max: 3.2,
+    step: 0.1,
+    value: 0,
+    show: magnification,
+  });
   const march = new March({ benches: 60 });
-  let cutTo, scale, gaps;
+  let cutTo;
+  let scale;
+  let gaps;
 
   const cut = (value) => (cutTo === exact ? value : Math.trunc(value * scale) / scale);
   const benchesAt = (t, handles) =>
-    benchesBetween(march.dragon, march.chain(t, handles).points.map((point) => point.map(cut)));
+    benchesBetween(
+      march.dragon,
+      march.chain(t, handles).points.map((point) => point.map(cut)),
+    );
   const upToNow = () => gaps.filter(([t]) => t < now.seen + 1e-9);
   const view = () => ({
-    across: [begin, end], up: [-8, 30],
+    across: [begin, end],
+    up: [-8, 30],
     name: ["gap of the head (mm) by the time (s)", "龙头的空隙 (mm) 随时间 (s) 的变化"],
   });
-  const now = gapPanes(lab, { time, size: () => 5 / 10 ** zoom.value, benchesAt, view, draw: (pane) => {
-    pane.line(upToNow(), { colour: "body", width: 2 });
-    for (const hit of upToNow().filter(([, gap]) => gap <= 0)) pane.dot(hit, { colour: "contact", radius: 3 });
-  } });
-  lab.label = ["The head and the benches that it passes; below, its gap", "龙头和它经过的板凳；下方是空隙"];
+  const now = gapPanes(lab, {
+    time,
+    size: () => 5 / 10 ** zoom.value,
+    benchesAt,
+    view,
+    draw: (pane) => {
+      pane.line(upToNow(), { colour: "body", width: 2 });
+      for (const hit of upToNow().filter(([, gap]) => gap <= 0)) {
+        pane.dot(hit, { colour: "contact", radius: 3 });
+      }
+    },
+  });
+  lab.label = [
+    "The head and the benches that it passes; below, its gap",
+    "龙头和它经过的板凳；下方是空隙",
+  ];
   lab.update = () => {
     if (cutTo !== decimals.value) {
       [cutTo, scale] = [decimals.value, 10 ** decimals.value];
@@ -33,12 +70,23 @@ stages["near-miss"] = (lab) => {
     now.update();
   };
   lab.readout = () => {
-    const { bench, gap } = now, size = Math.abs(1000 * gap).toFixed(3);
-    const t = time.value.toFixed(2), first = upToNow().find((each) => each[1] <= 0)?.[0].toFixed(2);
-    const [english, chinese] = gap > 0
-      ? [`the gap to bench ${bench} is ${size} mm`, `与 ${bench} 号板凳的空隙为 ${size} mm`]
-      : [`the head overlaps bench ${bench} by ${size} mm`, `龙头与 ${bench} 号板凳重叠 ${size} mm`];
+    const { bench, gap } = now;
+    const size = Math.abs(1000 * gap).toFixed(3);
+    const t = time.value.toFixed(2);
+    const first = upToNow()
+      .find((each) => each[1] <= 0)?.[0]
+      .toFixed(2);
+    const [english, chinese] =
+      gap > 0
+        ? [`the gap to bench ${bench} is ${size} mm`, `与 ${bench} 号板凳的空隙为 ${size} mm`]
+        : [
+            `the head overlaps bench ${bench} by ${size} mm`,
+            `龙头与 ${bench} 号板凳重叠 ${size} mm`,
+          ];
     const hit = first ? [`the first at ${first} s`, `第一次在 ${first} s`] : ["none", "无"];
-    return [`${t} s: ${english}. Overlaps until now: ${hit[0]}.`, `${t} s：${chinese}。至此的重叠：${hit[1]}。`];
+    return [
+      `${t} s: ${english}. Overlaps until now: ${hit[0]}.`,
+      `${t} s：${chinese}。至此的重叠：${hit[1]}。`,
+    ];
   };
 };

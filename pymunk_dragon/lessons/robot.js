@@ -1,26 +1,59 @@
 // Draw a path, or drag its points: does the arm follow its tip to the end?
 stages.robot = (lab) => {
-  const speed = 0.2, clear = 1e-9; // m/s; m from the path's begin to the base
-  const apart = 0.13, most = 50; // m between drawn points, and how many are kept
+  const speed = 0.2;
+  const clear = 1e-9; // m/s; m from the path's begin to the base
+  const apart = 0.13;
+  const most = 50; // m between drawn points, and how many are kept
   const arm = makeDragon({
-    benches: 16, head: 0.14, overhang: 0.02,
+    benches: 16,
+    head: 0.14,
+    overhang: 0.02,
     body: [...Array(6).fill(0.1), ...Array(5).fill(0.13), ...Array(4).fill(0.16)],
     width: [...Array(7).fill(0.05), ...Array(5).fill(0.06), ...Array(4).fill(0.07)],
   });
   const time = lab.slider(["time", "时间"], {
-    min: 0, max: 10, step: 0.001, value: 0, unit: "s", digits: 2, play: () => 1,
+    min: 0,
+    max: 10,
+    step: 0.001,
+    value: 0,
+    unit: "s",
+    digits: 2,
+    play: () => 1,
   });
   let points = [
-    [-1.9, 0], [-1.6, 0], [-1.3, 0], [-1, 0], [-0.75, 0.08], [-0.5, 0.25], [-0.25, 0.3], [-0.03, 0.15],
-    [0.1, -0.1], [0.32, -0.25], [0.55, -0.15], [0.6, 0.1], [0.42, 0.28], [0.2, 0.22], [0.05, 0.05], [-0.1, -0.1],
+    [-1.9, 0],
+    [-1.6, 0],
+    [-1.3, 0],
+    [-1, 0],
+    [-0.75, 0.08],
+    [-0.5, 0.25],
+    [-0.25, 0.3],
+    [-0.03, 0.15],
+    [0.1, -0.1],
+    [0.32, -0.25],
+    [0.55, -0.15],
+    [0.6, 0.1],
+    [0.42, 0.28],
+    [0.2, 0.22],
+    [0.05, 0.05],
+    [-0.1, -0.1],
   ];
-  let path, begin, stop, hit, total, drawn, chain, tooShort = false;
+  let path;
+  let begin;
+  let stop;
+  let hit;
+  let total;
+  let drawn;
+  let chain;
+  let tooShort = false;
 
   // The arm with its tip at a coordinate: the smallest gap between two links, and which. It is -1 where a joint has no
   // place on the path, or would go back.
   const closest = (s) => {
     const { points: joints, ratios } = chainAt(path, arm, s);
-    if (ratios.length <= arm.benches || !ratios.every((ratio) => ratio > 0)) return { gap: -1, links: [] };
+    if (ratios.length <= arm.benches || !ratios.every((ratio) => ratio > 0)) {
+      return { gap: -1, links: [] };
+    }
     const links = benchesBetween(arm, joints);
     let found = { gap: Infinity };
     for (let i = 2; i < arm.benches; i++) {
@@ -44,40 +77,70 @@ stages.robot = (lab) => {
   lab.update = () => {
     if (!path) follow();
     if (Number.isNaN(begin)) return;
-    chain = chainAt(path, arm, path.atLength(path.length(begin) + speed * Math.min(time.value, total)) - clear);
+    chain = chainAt(
+      path,
+      arm,
+      path.atLength(path.length(begin) + speed * Math.min(time.value, total)) - clear,
+    );
   };
-  const ground = lab.pane(1, () => ({ x: -0.6, y: 0, size: 1.9, wide: 2.9 }), (pane) => {
-    pane.text([-0.6, -0.85], lab.say(["draw a new path here", "在这里画一条新路线"]), { colour: "quiet" });
-    pane.line(drawn ?? curvePoints(path, 0, path.end, 0.01), { colour: "curve", width: 2 });
-    if (drawn || Number.isNaN(begin)) return;
-    const colour = (i) => (time.value >= total && hit.includes(i) ? "contact" : i === 0 ? "head" : "body");
-    pane.benches(benchesBetween(arm, chain.points), colour);
-    for (const joint of chain.points) pane.dot(joint, { radius: 2.5 });
-  });
+  const ground = lab.pane(
+    1,
+    () => ({ x: -0.6, y: 0, size: 1.9, wide: 2.9 }),
+    (pane) => {
+      pane.text([-0.6, -0.85], lab.say(["draw a new path here", "在这里画一条新路线"]), {
+        colour: "quiet",
+      });
+      pane.line(drawn ?? curvePoints(path, 0, path.end, 0.01), { colour: "curve", width: 2 });
+      if (drawn || Number.isNaN(begin)) return;
+      const colour = (i) =>
+        time.value >= total && hit.includes(i) ? "contact" : i === 0 ? "head" : "body";
+      pane.benches(benchesBetween(arm, chain.points), colour);
+      for (const joint of chain.points) pane.dot(joint, { radius: 2.5 });
+    },
+  );
   lab.pen(ground, (line, ended) => {
     drawn = ended ? null : line;
     const kept = line.slice(0, 1);
-    for (const [x, y] of line) if (Math.hypot(x - kept.at(-1)[0], y - kept.at(-1)[1]) >= apart) kept.push([x, y]);
+    for (const [x, y] of line) {
+      if (Math.hypot(x - kept.at(-1)[0], y - kept.at(-1)[1]) >= apart) kept.push([x, y]);
+    }
     tooShort = ended && kept.length < 4;
     if (ended && !tooShort) [points, path, time.value] = [kept.slice(0, most), null, 0];
   });
   for (let i = 0; i < most; i++) {
     lab.knob([`Point ${i + 1} of the path: drag it`, `路线的第 ${i + 1} 个点：拖动`], {
-      small: true, step: 0.02,
+      small: true,
+      step: 0.02,
       at: () => points[i] ?? [NaN, NaN],
-      moved: (point) => { [points[i], path, tooShort] = [point, null, false]; },
+      moved: (point) => {
+        [points[i], path, tooShort] = [point, null, false];
+      },
     });
   }
   lab.readout = () => {
-    if (tooShort) return ["The line that you drew is too short for a path.", "画出的线太短，不能作为路线。"];
-    if (Number.isNaN(begin)) return ["The arm does not fit on this path.", "这条路线放不下机械臂。"];
-    const speeds = chain.ratios.map((each) => speed * Math.abs(each)), at = total.toFixed(3);
+    if (tooShort) {
+      return ["The line that you drew is too short for a path.", "画出的线太短，不能作为路线。"];
+    }
+    if (Number.isNaN(begin)) {
+      return ["The arm does not fit on this path.", "这条路线放不下机械臂。"];
+    }
+    const speeds = chain.ratios.map((each) => speed * Math.abs(each));
+    const at = total.toFixed(3);
     const [low, high] = [Math.min(...speeds), Math.max(...speeds)].map((each) => each.toFixed(3));
-    const [english, chinese] = time.value < total ? ["", ""]
-      : stop === null ? [`The tip reaches the end after ${at} s.`, `${at} s 后末端到达终点。`]
-      : hit.length ? [`Link ${hit[0]} runs into link ${hit[1]} at ${at} s.`,
-        `${at} s 时 ${hit[0]} 号连杆碰到 ${hit[1]} 号。`]
-      : [`At ${at} s a bend is too narrow for a link.`, `${at} s 时弯太急，有一节连杆转不过去。`];
+    const [english, chinese] =
+      time.value < total
+        ? ["", ""]
+        : stop === null
+          ? [`The tip reaches the end after ${at} s.`, `${at} s 后末端到达终点。`]
+          : hit.length
+            ? [
+                `Link ${hit[0]} runs into link ${hit[1]} at ${at} s.`,
+                `${at} s 时 ${hit[0]} 号连杆碰到 ${hit[1]} 号。`,
+              ]
+            : [
+                `At ${at} s a bend is too narrow for a link.`,
+                `${at} s 时弯太急，有一节连杆转不过去。`,
+              ];
     return [
       `The tip goes at 0.200 m/s, the joints at ${low} to ${high} m/s. ${english}`,
       `末端 0.200 m/s，各关节 ${low} 到 ${high} m/s。${chinese}`,

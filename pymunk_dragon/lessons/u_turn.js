@@ -1,11 +1,21 @@
 // Drag the point where both arcs meet: who leaves the circle first, the contest's dragon or yours?
 stages["u-turn"] = (lab) => {
-  const radius = 4.5, farthest = 2 / 3; // m; share of it up to which the point may be dragged
+  const radius = 4.5;
+  const farthest = 2 / 3; // m; share of it up to which the point may be dragged
   const time = lab.slider(["time", "时间"], {
-    min: -5, max: 20, step: 0.02, value: -2, unit: "s", digits: 2, play: () => 1,
+    min: -5,
+    max: 20,
+    step: 0.02,
+    value: -2,
+    unit: "s",
+    digits: 2,
+    play: () => 1,
   });
-  const dragon = makeDragon({ benches: 60 }), contest = new UTurn({ ratio: 2 });
-  let share = 0, own, jam;
+  const dragon = makeDragon({ benches: 60 });
+  const contest = new UTurn({ ratio: 2 });
+  let share = 0;
+  let own;
+  let jam;
 
   const bend = () => {
     own = new UTurn({ ratio: (1 - share) / (1 + share) });
@@ -14,35 +24,66 @@ stages["u-turn"] = (lab) => {
   };
   bend();
 
-  lab.label = ["Two dragons that turn inside the circle along different arcs", "两条板凳龙沿不同的圆弧在圆内调头"];
-  lab.pane(1, () => ({ x: 0, y: 0, size: 11.6 }), (pane) => {
-    pane.line(circlePoints([0, 0], radius), { colour: "rule", width: 2 });
-    pane.line([own.points[0], own.points[2]], { colour: "quiet", dash: [5, 5] });
-    for (const [curve, colour, last] of [[contest, "body", Infinity], [own, "tail", jam]]) {
-      pane.line(curvePoints(curve, -40, 54), { colour: "curve" });
-      pane.line(curvePoints(curve, 0, curve.length), { colour, width: 3 });
-      const { points } = chainAt(curve, dragon, time.value, time.value < last ? dragon.benches + 1 : 1);
-      pane.benches(benchesBetween(dragon, points), (i) => (i === 0 ? "head" : colour), 0.85);
-      pane.dot(points[0], { colour, radius: 7 });
-    }
-    pane.text(contest.frame(time.value), lab.say(["contest", "竞赛题"]), { dy: -16 });
-    pane.text(own.frame(time.value), lab.say(["you", "你"]), { dy: 18 });
-  });
-  lab.knob(["The point where your arcs meet: drag it along the diameter", "你的两段圆弧的切点：沿直径拖动"], {
-    at: () => own.points[1],
-    moved: ([x, y], way) => {
-      const [ex, ey] = own.points[0], given = way ? share + 0.02 * way : (x * ex + y * ey) / radius ** 2;
-      share = bounded(given, -farthest, farthest);
-      bend();
+  lab.label = [
+    "Two dragons that turn inside the circle along different arcs",
+    "两条板凳龙沿不同的圆弧在圆内调头",
+  ];
+  lab.pane(
+    1,
+    () => ({ x: 0, y: 0, size: 11.6 }),
+    (pane) => {
+      pane.line(circlePoints([0, 0], radius), { colour: "rule", width: 2 });
+      pane.line([own.points[0], own.points[2]], { colour: "quiet", dash: [5, 5] });
+      for (const [curve, colour, last] of [
+        [contest, "body", Infinity],
+        [own, "tail", jam],
+      ]) {
+        pane.line(curvePoints(curve, -40, 54), { colour: "curve" });
+        pane.line(curvePoints(curve, 0, curve.length), { colour, width: 3 });
+        const { points } = chainAt(
+          curve,
+          dragon,
+          time.value,
+          time.value < last ? dragon.benches + 1 : 1,
+        );
+        pane.benches(benchesBetween(dragon, points), (i) => (i === 0 ? "head" : colour), 0.85);
+        pane.dot(points[0], { colour, radius: 7 });
+      }
+      pane.text(contest.frame(time.value), lab.say(["contest", "竞赛题"]), { dy: -16 });
+      pane.text(own.frame(time.value), lab.say(["you", "你"]), { dy: 18 });
     },
-  });
+  );
+  lab.knob(
+    [
+      "The point where your arcs meet: drag it along the diameter",
+      "你的两段圆弧的切点：沿直径拖动",
+    ],
+    {
+      at: () => own.points[1],
+      moved: ([x, y], way) => {
+        const [ex, ey] = own.points[0];
+        const given = way ? share + 0.02 * way : (x * ex + y * ey) / radius ** 2;
+        share = bounded(given, -farthest, farthest);
+        bend();
+      },
+    },
+  );
   lab.readout = () => {
-    const sum = ({ lengths: [first, second] }) => { // what the head has walked
-      const one = bounded(time.value, 0, first), two = bounded(time.value - first, 0, second);
-      return [one, two].map((each) => each.toFixed(2)).join(" + ") + ` = ${(one + two).toFixed(2)} m`;
+    const sum = ({ lengths: [first, second] }) => {
+      // what the head has walked
+      const one = bounded(time.value, 0, first);
+      const two = bounded(time.value - first, 0, second);
+      return (
+        [one, two].map((each) => each.toFixed(2)).join(" + ") + ` = ${(one + two).toFixed(2)} m`
+      );
     };
-    const [english, chinese] = time.value < jam ? ["", ""]
-      : [" But your head's bench would push its rear handle back.", "但是你的龙头会把后把手往回推。"];
+    const [english, chinese] =
+      time.value < jam
+        ? ["", ""]
+        : [
+            " But your head's bench would push its rear handle back.",
+            "但是你的龙头会把后把手往回推。",
+          ];
     return [
       `Walked on the two arcs: the contest's ${sum(contest)}, yours ${sum(own)}.${english}`,
       `两段弧上走过的路：竞赛题 ${sum(contest)}，你的 ${sum(own)}。${chinese}`,

@@ -9,7 +9,10 @@ function connect(player) {
   connectFields(player);
   connectStage(player, {
     buttons: buttonsOf(player),
-    keys: { home: () => player.seek(player.motion.begin), end: () => player.seek(player.motion.end) },
+    keys: {
+      home: () => player.seek(player.motion.begin),
+      end: () => player.seek(player.motion.end),
+    },
     pointers: {
       tapped(pixel, kind) {
         const slip = kind === "mouse" ? 0 : TOUCH_SLIP / view.scale;
@@ -23,7 +26,9 @@ function connect(player) {
     tapped: ([px]) => player.seek(timeline.timeOfClick(px)),
   });
   listenToWheel(element("time"), timeline, () => player.requestDraw());
-  for (const id of ["time", "play", "back", "forward", "last"]) element(id).disabled = player.length === 0;
+  for (const id of ["time", "play", "back", "forward", "last"]) {
+    element(id).disabled = player.length === 0;
+  }
   for (const id of ["previous", "next", "events"]) element(id).disabled = !player.events.length;
   addEventListener("hashchange", () => player.readLink());
 }
@@ -44,7 +49,9 @@ function connectFields(player) {
   element("rate").append(...RATES.map((rate) => new Option(`${rate}×`, rate)));
   writeLists(player);
   element("time").addEventListener("input", ({ target }) => player.seek(target.valueAsNumber));
-  element("rate").addEventListener("change", ({ target }) => player.set("rate", Number(target.value)));
+  element("rate").addEventListener("change", ({ target }) =>
+    player.set("rate", Number(target.value)),
+  );
   element("slow").addEventListener("change", ({ target }) => player.set("slow", target.checked));
   element("events").addEventListener("change", ({ target }) => {
     if (target.value !== "") player.seek(player.events[target.value].time);
@@ -60,8 +67,13 @@ function writeLists({ events, motion }) {
   const first = events.length ? localized("Go to an event …") : localized("No events");
   const options = events.map(({ time, text }, i) => new Option(`${time.toFixed(2)} s: ${text}`, i));
   element("events").replaceChildren(new Option(first, ""), ...options);
-  setText("precision", localized("Positions are stored to within {error} μm in {frames} frames; between two frames,"
-    + " benches move on cubic polynomials of time that match the positions and velocities of both. Numbers are shown"
-    + " with the digits that are certain.",
-  { error: Number((1e6 * motion.positionError).toPrecision(2)), frames: motion.times.length }));
+  setText(
+    "precision",
+    localized(
+      "Positions are stored to within {error} μm in {frames} frames; between two frames," +
+        " benches move on cubic polynomials of time that match the positions and velocities of both. Numbers are shown" +
+        " with the digits that are certain.",
+      { error: Number((1e6 * motion.positionError).toPrecision(2)), frames: motion.times.length },
+    ),
+  );
 }

@@ -13,13 +13,19 @@ async function inflate(base64) {
 // Vectors as counts of steps from an origin, by frame, point and component.
 async function unpack({ frames, points, origin, step, order }, base64) {
   const bytes = await inflate(base64);
-  const tracks = 2 * points, total = frames * tracks, counts = new Int32Array(total);
+  const tracks = 2 * points;
+  const total = frames * tracks;
+  const counts = new Int32Array(total);
   for (let track = 0; track < tracks; track++) {
     // Differences of every order, the highest first; the last entry is the count.
     const sums = new Int32Array(order + 1);
     for (let frame = 0; frame < frames; frame++) {
       const i = track * frames + frame;
-      const folded = bytes[i] | (bytes[total + i] << 8) | (bytes[2 * total + i] << 16) | (bytes[3 * total + i] << 24);
+      const folded =
+        bytes[i] |
+        (bytes[total + i] << 8) |
+        (bytes[2 * total + i] << 16) |
+        (bytes[3 * total + i] << 24);
       sums[0] = (folded >>> 1) ^ -(folded & 1);
       for (let k = 1; k <= order; k++) sums[k] += sums[k - 1];
       counts[frame * tracks + track] = sums[order];
@@ -29,7 +35,8 @@ async function unpack({ frames, points, origin, step, order }, base64) {
 }
 
 // Vectors of all points, x0, y0, x1, y1, ..., in m or m/s: of all frames, and in a frame.
-const vectorsOf = ({ origin, step }, counts) => Float64Array.from(counts, (count, i) => origin[i & 1] + step * count);
+const vectorsOf = ({ origin, step }, counts) =>
+  Float64Array.from(counts, (count, i) => origin[i & 1] + step * count);
 
 function vectorsIn(packed, frame) {
   const size = 2 * packed.points;

@@ -33,8 +33,12 @@ class Exact {
   posesBeside(benches, time, magnification = 1) {
     const offsets = this.offsetsAt(time);
     if (!offsets) return null;
-    return posesBetween(benches.handles.map(([x, y], i) =>
-      [x + magnification * offsets[2 * i], y + magnification * offsets[2 * i + 1]]));
+    return posesBetween(
+      benches.handles.map(([x, y], i) => [
+        x + magnification * offsets[2 * i],
+        y + magnification * offsets[2 * i + 1],
+      ]),
+    );
   }
 }
 

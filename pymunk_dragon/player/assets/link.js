@@ -24,7 +24,8 @@ function formatLink({ time, rate, defaultRate, slow, follow, shown, selected, vi
 // Settings of a link; missing and invalid values are undefined.
 function parseLink(hash) {
   const query = new URLSearchParams(hash.replace(/^#/, ""));
-  const number = (text) => (text?.trim() && Number.isFinite(Number(text)) ? Number(text) : undefined);
+  const number = (text) =>
+    text?.trim() && Number.isFinite(Number(text)) ? Number(text) : undefined;
   const at = (query.get("at") ?? "").split(",").map(number);
   const span = number(query.get("span"));
   return {
@@ -32,7 +33,12 @@ function parseLink(hash) {
     follow: ["head", "field"].find((subject) => subject === query.get("follow")),
     at: at.length === 2 && at.every((value) => value !== undefined) ? at : undefined,
     span: span > 0 ? span : undefined,
-    show: query.has("show") ? query.get("show").split(",").filter((name) => SWITCHES.includes(name)) : undefined,
+    show: query.has("show")
+      ? query
+          .get("show")
+          .split(",")
+          .filter((name) => SWITCHES.includes(name))
+      : undefined,
     bench: number(query.get("bench")),
     rate: number(query.get("speed")),
     slow: query.get("slow") !== "off",

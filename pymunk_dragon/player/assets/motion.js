@@ -11,10 +11,16 @@ const normalizeAngle = (angle) => angle - TURN * Math.floor((angle + Math.PI) / 
 function hermite(one, two, interval, share, i) {
   const left = 1 - share;
   const value = (from, step, v0, v1) =>
-    from + share * share * (3 - 2 * share) * step + interval * share * left * (left * v0 - share * v1);
+    from +
+    share * share * (3 - 2 * share) * step +
+    interval * share * left * (left * v0 - share * v1);
   const rate = (step, v0, v1) =>
-    6 * share * left * step / (interval || 1) + left * (1 - 3 * share) * v0 + share * (3 * share - 2) * v1;
-  const dx = two.x[i] - one.x[i], dy = two.y[i] - one.y[i], turn = normalizeAngle(two.angle[i] - one.angle[i]);
+    (6 * share * left * step) / (interval || 1) +
+    left * (1 - 3 * share) * v0 +
+    share * (3 * share - 2) * v1;
+  const dx = two.x[i] - one.x[i];
+  const dy = two.y[i] - one.y[i];
+  const turn = normalizeAngle(two.angle[i] - one.angle[i]);
   return {
     x: value(one.x[i], dx, one.vx[i], two.vx[i]),
     y: value(one.y[i], dy, one.vy[i], two.vy[i]),
@@ -35,10 +41,13 @@ class Motion {
     [this.positionError, this.velocityError] = payload.errors;
     this.benches = benches;
     // A size is a number for all benches, or an array.
-    const each = (sizes) => Float64Array.from({ length: benches }, (_, i) => Array.isArray(sizes) ? sizes[i] : sizes);
+    const each = (sizes) =>
+      Float64Array.from({ length: benches }, (_, i) => (Array.isArray(sizes) ? sizes[i] : sizes));
     this.widths = each(width);
     this.narrowest = Math.min(...this.widths);
-    this.spacings = each(Array.isArray(body_spacing) ? [head_spacing, ...body_spacing] : body_spacing);
+    this.spacings = each(
+      Array.isArray(body_spacing) ? [head_spacing, ...body_spacing] : body_spacing,
+    );
     this.spacings[0] = head_spacing;
     const overhangs = each(overhang);
     this.lengths = this.spacings.map((spacing, i) => spacing + 2 * overhangs[i]);
@@ -49,15 +58,18 @@ class Motion {
   // The area that the benches cover during the run: the handles, and the ends of benches beyond them.
   get field() {
     const { counts, origin, step } = this.packed;
-    const low = [Infinity, Infinity], high = [-Infinity, -Infinity];
+    const low = [Infinity, Infinity];
+    const high = [-Infinity, -Infinity];
     for (let i = 0; i < counts.length; i++) {
       const axis = i & 1;
       if (counts[i] < low[axis]) low[axis] = counts[i];
       if (counts[i] > high[axis]) high[axis] = counts[i];
     }
-    const beyond = Math.max(...this.lengths.map((length, i) => (length - this.spacings[i] + this.widths[i]) / 2));
+    const beyond = Math.max(
+      ...this.lengths.map((length, i) => (length - this.spacings[i] + this.widths[i]) / 2),
+    );
     return {
-      centre: [0, 1].map((axis) => origin[axis] + step * (low[axis] + high[axis]) / 2),
+      centre: [0, 1].map((axis) => origin[axis] + (step * (low[axis] + high[axis])) / 2),
       size: [0, 1].map((axis) => step * (high[axis] - low[axis]) + 2 * beyond),
     };
   }
@@ -68,12 +80,17 @@ class Motion {
     const cached = this.cache.get(frame);
     if (cached) return cached;
     const positions = vectorsIn(this.packed, frame);
-    const velocities = this.velocities ? vectorsIn(this.velocities, frame) : new Float64Array(positions.length);
+    const velocities = this.velocities
+      ? vectorsIn(this.velocities, frame)
+      : new Float64Array(positions.length);
     const motion = { x: [], y: [], angle: [], vx: [], vy: [], angularRate: [] };
     for (let i = 0; i < this.benches; i++) {
       const [frontX, frontY, rearX, rearY] = positions.subarray(2 * i, 2 * i + 4);
       const [frontVx, frontVy, rearVx, rearVy] = velocities.subarray(2 * i, 2 * i + 4);
-      const alongX = frontX - rearX, alongY = frontY - rearY, dvx = frontVx - rearVx, dvy = frontVy - rearVy;
+      const alongX = frontX - rearX;
+      const alongY = frontY - rearY;
+      const dvx = frontVx - rearVx;
+      const dvy = frontVy - rearVy;
       motion.x.push((frontX + rearX) / 2);
       motion.y.push((frontY + rearY) / 2);
       motion.angle.push(Math.atan2(alongY, alongX));
@@ -88,9 +105,11 @@ class Motion {
 
   // The two frames around a time, the interval between them in s, and the fraction of it that has passed.
   between(time) {
-    const last = this.times.length - 1, found = this.times.findIndex((each) => each >= time);
+    const last = this.times.length - 1;
+    const found = this.times.findIndex((each) => each >= time);
     const after = found < 0 ? last : Math.max(found, Math.min(1, last));
-    const before = Math.max(after - 1, 0), interval = this.times[after] - this.times[before];
+    const before = Math.max(after - 1, 0);
+    const interval = this.times[after] - this.times[before];
     const share = Math.min(Math.max((time - this.times[before]) / (interval || 1), 0), 1);
     return { before, after, interval, share };
   }
@@ -100,7 +119,7 @@ class Motion {
   // between the cubic over two intervals and the frame between them. Infinity if there is no such frame.
   errorAt(time, bench) {
     const { before, after, interval, share } = this.between(time);
-    const known = this.positionError * this.lengths[bench] / this.spacings[bench];
+    const known = (this.positionError * this.lengths[bench]) / this.spacings[bench];
     if (share === 0 || share === 1) return known;
     const weight = share * (1 - share);
     const fourth = Math.max(...[before, after].map((frame) => this.fourthDerivative(frame, bench)));
@@ -110,21 +129,29 @@ class Motion {
 
   // The fourth derivative of a bench's motion at a frame, divided by 24, m/s^4; -1 if unknown.
   fourthDerivative(frame, bench) {
-    const one = this.times[frame] - this.times[frame - 1], two = this.times[frame + 1] - this.times[frame];
+    const one = this.times[frame] - this.times[frame - 1];
+    const two = this.times[frame + 1] - this.times[frame];
     if (!(one > 0 && two > 0)) return -1;
-    const [before, here, after] = [frame - 1, frame, frame + 1].map((each) => this.frameMotion(each));
+    const [before, here, after] = [frame - 1, frame, frame + 1].map((each) =>
+      this.frameMotion(each),
+    );
     const cubic = hermite(before, after, one + two, one / (one + two), bench);
-    const off = Math.hypot(cubic.x - here.x[bench], cubic.y - here.y[bench])
-      + Math.abs(normalizeAngle(cubic.angle - here.angle[bench])) * this.lengths[bench] / 2;
+    const off =
+      Math.hypot(cubic.x - here.x[bench], cubic.y - here.y[bench]) +
+      (Math.abs(normalizeAngle(cubic.angle - here.angle[bench])) * this.lengths[bench]) / 2;
     return off / (one * two) ** 2;
   }
 
   // Poses at any time and their rates of change: between frames, cubic Hermite polynomials, as in `Run.poses_at`.
   posesAt(time) {
     const { before, after, interval, share } = this.between(time);
-    const one = this.frameMotion(before), two = this.frameMotion(after);
+    const one = this.frameMotion(before);
+    const two = this.frameMotion(after);
     const found = one.x.map((_, i) => hermite(one, two, interval, share, i));
-    const rates = ["vx", "vy", "angularRate"].map((name) => [name, found.map((bench) => bench[name])]);
+    const rates = ["vx", "vy", "angularRate"].map((name) => [
+      name,
+      found.map((bench) => bench[name]),
+    ]);
     const poses = posesFrom(this.benches, (i) => [found[i].x, found[i].y, found[i].angle]);
     return Object.assign(poses, Object.fromEntries(rates));
   }
@@ -134,13 +161,16 @@ class Motion {
     if (!this.velocities) return null;
     return Array.from({ length: this.benches + 1 }, (_, i) => {
       const bench = Math.min(i, this.benches - 1);
-      const half = (i < this.benches ? 1 : -1) * poses.angularRate[bench] * this.spacings[bench] / 2;
+      const half =
+        ((i < this.benches ? 1 : -1) * poses.angularRate[bench] * this.spacings[bench]) / 2;
       return [poses.vx[bench] - half * poses.sin[bench], poses.vy[bench] + half * poses.cos[bench]];
     });
   }
 
   // Contact windows that include `time`.
   touchingAt(time) {
-    return this.windows.filter(({ begin, end }) => begin - LINK_TOLERANCE <= time && (end === null || time < end));
+    return this.windows.filter(
+      ({ begin, end }) => begin - LINK_TOLERANCE <= time && (end === null || time < end),
+    );
   }
 }

@@ -7,19 +7,26 @@ const LINE_OPACITY = 0.28; // of lines, as in the films
 
 function drawGrid(painter, benches, visible) {
   const { context, colours, view, payload } = painter;
-  const { cell, origin } = payload.grid, size = cell * view.scale;
+  const { cell, origin } = payload.grid;
+  const size = cell * view.scale;
   if (size < SMALLEST_CELL) return;
   const corner = (row, column) => view.toScreen(origin[0] + column * cell, origin[1] - row * cell);
   const covered = new Path2D();
   for (const i of visible) {
-    for (const [row, column] of benches.cells(i, payload.grid)) covered.rect(...corner(row, column), size, size);
+    for (const [row, column] of benches.cells(i, payload.grid)) {
+      covered.rect(...corner(row, column), size, size);
+    }
   }
   context.fillStyle = context.strokeStyle = colours.grid;
   context.globalAlpha = CELL_OPACITY;
   context.fill(covered);
   const [west, north] = view.toWorld(0, 0);
   const lines = new Path2D();
-  for (let [, py] = corner(Math.ceil((origin[1] - north) / cell), 0); py <= view.height; py += size) {
+  for (
+    let [, py] = corner(Math.ceil((origin[1] - north) / cell), 0);
+    py <= view.height;
+    py += size
+  ) {
     lines.moveTo(0, py);
     lines.lineTo(view.width, py);
   }

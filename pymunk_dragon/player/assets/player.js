@@ -13,13 +13,20 @@ class Player extends Stage {
     super(new View(motion), SWITCHES, SHOWN_BY_DEFAULT);
     this.motion = motion;
     this.exact = exact && new Exact(this.motion, exact);
-    this.painter = new RunPainter(element("field"), this.motion, this.view, payload, vectorsOf(curve, curve.counts));
+    this.painter = new RunPainter(
+      element("field"),
+      this.motion,
+      this.view,
+      payload,
+      vectorsOf(curve, curve.counts),
+    );
     this.events = eventsOf(payload);
     this.eventTimes = this.events.map(({ time }) => time);
     this.timeline = new Timeline(element("strip"), element("time"), this.motion, this.events);
     this.time = this.motion.begin;
     this.length = this.motion.end - this.motion.begin;
-    this.defaultRate = RATES.find((rate) => rate >= 1 && this.length / rate <= LONGEST) ?? RATES.at(-1);
+    this.defaultRate =
+      RATES.find((rate) => rate >= 1 && this.length / rate <= LONGEST) ?? RATES.at(-1);
     this.rate = this.defaultRate;
     this.slowTimes = slowTimes(this.events);
     // Slow near events; the selected is a bench.
@@ -46,7 +53,7 @@ class Player extends Stage {
 
   draw() {
     const { motion, view, painter, time } = this;
-    const benches = this.benches = new Benches(motion, motion.posesAt(time));
+    const benches = (this.benches = new Benches(motion, motion.posesAt(time)));
     painter.resize();
     this.timeline.reveal(time);
     this.timeline.draw(painter);
@@ -59,10 +66,18 @@ class Player extends Stage {
     this.showTime();
     const bench = pointed ?? 0;
     if (document.activeElement !== element("bench")) element("bench").value = bench;
-    for (const [id, text] of Object.entries(formatNumbers(benchNumbers(benches, bench, time)))) setText(id, text);
+    for (const [id, text] of Object.entries(formatNumbers(benchNumbers(benches, bench, time)))) {
+      setText(id, text);
+    }
     setText("error", errors ? formatError(errors[bench], this.exact.resolution) : "–");
-    setText("legend-exact-text", magnification === 1 ? localized("Exact model")
-      : localized("Exact model, error × {number}", { number: magnification.toLocaleString("en") }));
+    setText(
+      "legend-exact-text",
+      magnification === 1
+        ? localized("Exact model")
+        : localized("Exact model, error × {number}", {
+            number: magnification.toLocaleString("en"),
+          }),
+    );
   }
 
   showTime() {
@@ -71,7 +86,9 @@ class Player extends Stage {
     setText("reduced", this.currentRate < this.rate ? formatRate(this.currentRate) : "");
     element("time").value = time;
     // Only while paused: screen readers would announce every change.
-    if (!this.playing) element("time").ariaValueText = localized("{time} seconds", { time: time.toFixed(2) });
+    if (!this.playing) {
+      element("time").ariaValueText = localized("{time} seconds", { time: time.toFixed(2) });
+    }
     element("timeline-out").disabled = element("timeline-all").disabled = timeline.isWhole;
   }
 
@@ -118,7 +135,10 @@ class Player extends Stage {
 
   // Go to the next of some times, or the one before.
   toNext(times, direction) {
-    const next = direction > 0 ? times.find((each) => each > this.time) : times.findLast((each) => each < this.time);
+    const next =
+      direction > 0
+        ? times.find((each) => each > this.time)
+        : times.findLast((each) => each < this.time);
     this.seek(next ?? this.time);
   }
 
@@ -162,13 +182,24 @@ class Player extends Stage {
 
   announce() {
     const description = describeTime(this.time, this.events);
-    const { speed, angle, gap } = formatNumbers(benchNumbers(this.benches, this.selected ?? 0, this.time));
-    const bench = this.selected === null ? ""
-      : localized(". Bench {i}: speed {speed}, angle {angle}, gap {gap}", { i: this.selected, speed, angle, gap });
+    const { speed, angle, gap } = formatNumbers(
+      benchNumbers(this.benches, this.selected ?? 0, this.time),
+    );
+    const bench =
+      this.selected === null
+        ? ""
+        : localized(". Bench {i}: speed {speed}, angle {angle}, gap {gap}", {
+            i: this.selected,
+            speed,
+            angle,
+            gap,
+          });
     if (!this.playing) setText("announcement", description + bench);
     const count = this.motion.benches;
-    const seen = this.follow === "head" ? localized("The dragon's {count} benches seen from above the head", { count })
-      : localized("The dragon's {count} benches seen from above", { count });
+    const seen =
+      this.follow === "head"
+        ? localized("The dragon's {count} benches seen from above the head", { count })
+        : localized("The dragon's {count} benches seen from above", { count });
     element("field").setAttribute("aria-label", `${seen}. ${description}.`);
   }
 
@@ -179,7 +210,9 @@ class Player extends Stage {
     if (RATES.includes(link.rate)) this.rate = link.rate;
     this.slow = link.slow;
     if (link.show) for (const name of SWITCHES) this.shown[name] = link.show.includes(name);
-    if (Number.isInteger(link.bench) && link.bench >= 0 && link.bench < motion.benches) this.selected = link.bench;
+    if (Number.isInteger(link.bench) && link.bench >= 0 && link.bench < motion.benches) {
+      this.selected = link.bench;
+    }
     if (chosenLanguage() !== language) this.setLanguage(chosenLanguage());
     // A span requires the size of the canvas.
     this.painter.resize();

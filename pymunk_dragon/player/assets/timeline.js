@@ -10,16 +10,26 @@ const LABEL_SIZE = 10; // pixels
 
 function eventsOf(payload) {
   const nearMisses = payload.near_misses.map(({ time, benches: [i, j], gap }) => ({
-    time, end: time, kind: "near-miss",
+    time,
+    end: time,
+    kind: "near-miss",
     get text() {
-      return localized("Near miss: benches {i} and {j}, {gap}", { i, j, gap: formatLength(gap, 0) });
+      return localized("Near miss: benches {i} and {j}, {gap}", {
+        i,
+        j,
+        gap: formatLength(gap, 0),
+      });
     },
   }));
   const contacts = payload.windows.map(({ begin, end, benches: [i, j] }) => ({
-    time: begin, end: end ?? payload.times.at(-1), kind: "contact",
+    time: begin,
+    end: end ?? payload.times.at(-1),
+    kind: "contact",
     get text() {
       const contact = localized("Contact: benches {i} and {j}", { i, j });
-      return end === null ? contact : contact + localized(", for {time} s", { time: (end - begin).toFixed(2) });
+      return end === null
+        ? contact
+        : contact + localized(", for {time} s", { time: (end - begin).toFixed(2) });
     },
   }));
   return [...nearMisses, ...contacts].sort((a, b) => a.time - b.time);
@@ -54,7 +64,7 @@ class Timeline {
   }
 
   pan(dx) {
-    this.setPart(this.from - dx * this.length / this.inner, this.length);
+    this.setPart(this.from - (dx * this.length) / this.inner, this.length);
   }
 
   // Move the part so that it has a time.
@@ -80,14 +90,24 @@ class Timeline {
   // Time of the event close to a click, or the clicked time if there is none.
   timeOfClick(px) {
     const distance = (event) => Math.abs(this.toPixel(event.time) - px);
-    const near = this.events.filter((event) => distance(event) <= CLICK).sort((a, b) => distance(a) - distance(b));
+    const near = this.events
+      .filter((event) => distance(event) <= CLICK)
+      .sort((a, b) => distance(a) - distance(b));
     return near.length ? near[0].time : this.timeAt(px);
   }
 
   // Draws only if the strip's size, the part or the colours have changed.
   draw(painter) {
-    const context = this.strip.getContext("2d"), { width, height } = fitCanvas(this.strip, context);
-    const state = [width, height, devicePixelRatio, painter.colours.text, this.from, this.to].join();
+    const context = this.strip.getContext("2d");
+    const { width, height } = fitCanvas(this.strip, context);
+    const state = [
+      width,
+      height,
+      devicePixelRatio,
+      painter.colours.text,
+      this.from,
+      this.to,
+    ].join();
     if (state === this.drawn) return;
     this.drawn = state;
     this.width = width;
@@ -104,7 +124,9 @@ class Timeline {
     }
     for (const event of shown.filter(({ kind }) => kind === "near-miss")) {
       const px = this.toPixel(event.time);
-      const path = new Path2D(`M${px} ${middle - MARK}l${MARK - 1} ${MARK}l${1 - MARK} ${MARK}l${1 - MARK} ${-MARK}z`);
+      const path = new Path2D(
+        `M${px} ${middle - MARK}l${MARK - 1} ${MARK}l${1 - MARK} ${MARK}l${1 - MARK} ${-MARK}z`,
+      );
       context.fillStyle = painter.colours.head;
       context.fill(path);
       strokeOnce(context, path, painter.colours.text, 1);
@@ -117,8 +139,13 @@ class Timeline {
     context.textBaseline = "top";
     context.textAlign = "center";
     context.fillStyle = context.strokeStyle = colours.quiet;
-    for (const time of ticks(this.from, this.to, this.inner / LABEL_EVERY / (this.length || Number.EPSILON))) {
-      const px = this.toPixel(time), label = signed(time);
+    for (const time of ticks(
+      this.from,
+      this.to,
+      this.inner / LABEL_EVERY / (this.length || Number.EPSILON),
+    )) {
+      const px = this.toPixel(time);
+      const label = signed(time);
       const half = context.measureText(label).width / 2;
       if (px - half < 0 || px + half > this.width) continue;
       context.fillText(label, px, 0);

@@ -59,7 +59,9 @@ class Connection {
   }
 
   open() {
-    const socket = this.socket = IN_WIDGET ? new WidgetSocket() : new WebSocket(`socket${location.search}`);
+    const socket = (this.socket = IN_WIDGET
+      ? new WidgetSocket()
+      : new WebSocket(`socket${location.search}`));
     socket.binaryType = "arraybuffer";
     socket.onopen = () => {
       this.heard = performance.now();
@@ -104,7 +106,16 @@ const CALL_HEAD = 7; // numbers of a call before its points
 function decodeFrame(buffer) {
   const length = new DataView(buffer).getUint32(0, true);
   const header = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)));
-  const frame = { ...header, poses: [], exact: [], errors: [], forces: [], contacts: [], joints: [], calls: [] };
+  const frame = {
+    ...header,
+    poses: [],
+    exact: [],
+    errors: [],
+    forces: [],
+    contacts: [],
+    joints: [],
+    calls: [],
+  };
   let offset = 4 + length;
   for (const [name, size] of Object.entries(header.sizes)) {
     frame[name] = new Float32Array(buffer, offset, size);
@@ -120,11 +131,19 @@ function callsOf({ calls, colours = [] }) {
   const texts = colours.map(([r, g, b, a]) => `rgba(${r}, ${g}, ${b}, ${a / 255})`);
   const found = [];
   for (let k = 0; k < calls.length;) {
-    const count = calls[k + 1], points = [];
-    for (let p = k + CALL_HEAD; p < k + CALL_HEAD + 2 * count; p += 2) points.push([calls[p], calls[p + 1]]);
+    const count = calls[k + 1];
+    const points = [];
+    for (let p = k + CALL_HEAD; p < k + CALL_HEAD + 2 * count; p += 2) {
+      points.push([calls[p], calls[p + 1]]);
+    }
     found.push({
-      kind: KINDS[calls[k]], points, radius: calls[k + 2], angle: calls[k + 3],
-      fill: texts[calls[k + 4]], outline: texts[calls[k + 5]], grip: calls[k + 6],
+      kind: KINDS[calls[k]],
+      points,
+      radius: calls[k + 2],
+      angle: calls[k + 3],
+      fill: texts[calls[k + 4]],
+      outline: texts[calls[k + 5]],
+      grip: calls[k + 6],
       opaque: colours[calls[k + 4]][3] >= 255,
     });
     k += CALL_HEAD + 2 * count;

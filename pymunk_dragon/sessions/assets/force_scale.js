@@ -1,10 +1,14 @@
 // Colours of bodies and forces, the scales of forces and torques, their legends and the scale bar at the lower border.
 
 const EFFORTS = ["force", "torque"];
-const EFFORT_TEXTS = { force: "Force in the joint ({unit})", torque: "Torque in the joint ({unit})" };
+const EFFORT_TEXTS = {
+  force: "Force in the joint ({unit})",
+  torque: "Torque in the joint ({unit})",
+};
 
 // The forces, or torques, of joints.
-const effortsOf = (joints, kind) => joints.filter((joint) => joint.kind === kind).map(({ effort }) => effort);
+const effortsOf = (joints, kind) =>
+  joints.filter((joint) => joint.kind === kind).map(({ effort }) => effort);
 
 // Pymunk's debug colours: of static shapes, of outlines and of collision points.
 const STATIC_COLOUR = "#95a5a6";
@@ -18,7 +22,8 @@ const SHADES = 32; // colours of discs: those of one shade share a path
 const mixed = (one, two, share) => `color-mix(in srgb, ${one}, ${two} ${100 * share}%)`;
 
 const SHADE_COLOURS = Array.from({ length: SHADES }, (_, shade) => {
-  const place = shade / (SHADES - 1) * (RAMP.length - 1), k = Math.min(Math.floor(place), RAMP.length - 2);
+  const place = (shade / (SHADES - 1)) * (RAMP.length - 1);
+  const k = Math.min(Math.floor(place), RAMP.length - 2);
   return mixed(RAMP[k], RAMP[k + 1], place - k);
 });
 
@@ -52,7 +57,8 @@ class LogScale {
 }
 
 // The largest of numbers that may be NaN; 0 if there are none.
-const largestOf = (numbers) => numbers.reduce((largest, each) => (each > largest ? each : largest), 0);
+const largestOf = (numbers) =>
+  numbers.reduce((largest, each) => (each > largest ? each : largest), 0);
 
 // A power of ten as text: 0.01, 1, 10, 10 k.
 function powerText(power) {
@@ -61,14 +67,20 @@ function powerText(power) {
   return power >= 0 ? String(10 ** power) : (10 ** power).toFixed(-power);
 }
 
-const superscript = (number) => [...String(number)].map((digit) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[digit] ?? "⁻").join("");
+const superscript = (number) =>
+  [...String(number)].map((digit) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[digit] ?? "⁻").join("");
 
 // Pixels: distances of the legend from the left and the lower side, its width, its height, and its room below the bar.
-const LEGEND_LEFT = 14, LEGEND_BOTTOM = 14, LEGEND_WIDTH = 168, LEGEND_HEIGHT = 9, LEGEND_ROOM = 50;
+const LEGEND_LEFT = 14;
+const LEGEND_BOTTOM = 14;
+const LEGEND_WIDTH = 168;
+const LEGEND_HEIGHT = 9;
+const LEGEND_ROOM = 50;
 const BAR_LONGEST = 110; // pixels: longest scale bar
 
 function drawLegend(painter, kind, above) {
-  const { context, view, colours, model } = painter, scale = painter.scales[kind];
+  const { context, view, colours, model } = painter;
+  const scale = painter.scales[kind];
   const top = view.height - LEGEND_BOTTOM - LEGEND_HEIGHT - 16 - above;
   const strip = context.createLinearGradient(LEGEND_LEFT, 0, LEGEND_LEFT + LEGEND_WIDTH, 0);
   RAMP.forEach((colour, k) => strip.addColorStop(k / (RAMP.length - 1), colour));
@@ -78,11 +90,15 @@ function drawLegend(painter, kind, above) {
   context.fillRect(LEGEND_LEFT, top, LEGEND_WIDTH, LEGEND_HEIGHT);
   context.strokeRect(LEGEND_LEFT, top, LEGEND_WIDTH, LEGEND_HEIGHT);
   painter.setFont("11px", "left", "alphabetic");
-  painter.drawText(localized(EFFORT_TEXTS[kind], { unit: model.unitOf[kind] }), LEGEND_LEFT, top - 6);
+  painter.drawText(
+    localized(EFFORT_TEXTS[kind], { unit: model.unitOf[kind] }),
+    LEGEND_LEFT,
+    top - 6,
+  );
   ["left", "center", "right"].forEach((align, k) => {
     context.textAlign = align;
-    const text = powerText(scale.bottom + k * DECADES / 2);
-    painter.drawText(text, LEGEND_LEFT + k * LEGEND_WIDTH / 2, top + LEGEND_HEIGHT + 13);
+    const text = powerText(scale.bottom + (k * DECADES) / 2);
+    painter.drawText(text, LEGEND_LEFT + (k * LEGEND_WIDTH) / 2, top + LEGEND_HEIGHT + 13);
   });
 }
 
@@ -90,11 +106,24 @@ function drawLegend(painter, kind, above) {
 function drawScaleBar(painter, above) {
   const { context, view, colours } = painter;
   const length = Number((1 / roundUp(view.scale / BAR_LONGEST)).toPrecision(1));
-  const y = view.height - LEGEND_BOTTOM - above, right = LEGEND_LEFT + length * view.scale;
+  const y = view.height - LEGEND_BOTTOM - above;
+  const right = LEGEND_LEFT + length * view.scale;
   const path = new Path2D();
-  for (const corner of [[LEGEND_LEFT, y - 5], [LEGEND_LEFT, y], [right, y], [right, y - 5]]) path.lineTo(...corner);
+  for (const corner of [
+    [LEGEND_LEFT, y - 5],
+    [LEGEND_LEFT, y],
+    [right, y],
+    [right, y - 5],
+  ]) {
+    path.lineTo(...corner);
+  }
   strokeTwice(context, path, colours.background, colours.text, 1.5);
   painter.setFont("11px", "left", "alphabetic");
-  const { units } = painter.model, short = units === "m" && length < 1;
-  painter.drawText(short ? `${Number((1000 * length).toPrecision(1))} mm` : `${length} ${units}`, right + 6, y);
+  const { units } = painter.model;
+  const short = units === "m" && length < 1;
+  painter.drawText(
+    short ? `${Number((1000 * length).toPrecision(1))} mm` : `${length} ${units}`,
+    right + 6,
+    y,
+  );
 }

@@ -14,7 +14,11 @@ const STAGE = new URLSearchParams(location.hash.slice(1)).get("stage"); // scene
 
 class Live extends Stage {
   constructor() {
-    super(new View({ field: { centre: [0, 0], size: [1, 1] }, widths: [1], narrowest: 1 }), SWITCHES, SHOWN_BY_DEFAULT);
+    super(
+      new View({ field: { centre: [0, 0], size: [1, 1] }, widths: [1], narrowest: 1 }),
+      SWITCHES,
+      SHOWN_BY_DEFAULT,
+    );
     this.scene = this.state = this.frame = this.model = null;
     this.events = []; // the newest first
     this.painter = new LivePainter(element("field"), this.view);
@@ -68,7 +72,8 @@ class Live extends Stage {
     this.showBuilding(false);
     // A stage begins anew when it is opened.
     if (!this.scene && STAGE && scene.role === "control") this.send({ do: "scene", name: STAGE });
-    const same = this.scene?.name === scene.name, anew = this.scene?.generation !== scene.generation;
+    const same = this.scene?.name === scene.name;
+    const anew = this.scene?.generation !== scene.generation;
     this.scene = scene;
     this.frame = this.framePoses = null;
     this.model = new Model(scene);
@@ -105,8 +110,16 @@ class Live extends Stage {
   }
 
   showEvents() {
-    element("events").replaceChildren(...this.events.map(({ time, text }) => created("li", {},
-      created("span", { className: "quiet" }, `${time.toFixed(2)} s`), ` ${translatedNumbers(text)}`)));
+    element("events").replaceChildren(
+      ...this.events.map(({ time, text }) =>
+        created(
+          "li",
+          {},
+          created("span", { className: "quiet" }, `${time.toFixed(2)} s`),
+          ` ${translatedNumbers(text)}`,
+        ),
+      ),
+    );
     element("no-events").hidden = this.events.length > 0;
   }
 
@@ -130,8 +143,11 @@ class Live extends Stage {
   showBuilding(begins) {
     clearTimeout(this.buildingTimer);
     element("building").hidden = true;
-    if (begins) this.buildingTimer = setTimeout(() => { element("building").hidden = false; }, BUILDING_AFTER);
-    else this.hideError();
+    if (begins) {
+      this.buildingTimer = setTimeout(() => {
+        element("building").hidden = false;
+      }, BUILDING_AFTER);
+    } else this.hideError();
   }
 
   showConnection(open) {
@@ -167,7 +183,15 @@ class Live extends Stage {
     this.followSubject(poses);
     this.aims = this.pixel === null && element("field").matches(":focus-visible");
     tools.flush();
-    painter.draw({ frame, poses, state, show: this.switches, held: tools.held, target: tools.target, aims: this.aims });
+    painter.draw({
+      frame,
+      poses,
+      state,
+      show: this.switches,
+      held: tools.held,
+      target: tools.target,
+      aims: this.aims,
+    });
     this.recorder.add();
     this.charts.draw(frame, state, now);
     showFrame(this);
@@ -184,7 +208,9 @@ class Live extends Stage {
 
   // The switches that are on and make sense for the scene.
   get switches() {
-    return Object.fromEntries(SWITCHES.map((name) => [name, this.shown[name] && this.hasSwitch(name)]));
+    return Object.fromEntries(
+      SWITCHES.map((name) => [name, this.shown[name] && this.hasSwitch(name)]),
+    );
   }
 
   hasSwitch(name) {
@@ -199,7 +225,8 @@ class Live extends Stage {
   // Controls and charts follow with the next state and picture.
   setLanguage(name) {
     setLanguage(name);
-    const address = name === DEFAULT_LANGUAGE ? location.pathname + location.search : `#lang=${name}`;
+    const address =
+      name === DEFAULT_LANGUAGE ? location.pathname + location.search : `#lang=${name}`;
     rememberAddress(address);
     if (!this.scene) return;
     this.showEvents();

@@ -63,7 +63,10 @@ function decadesAround(values) {
 class LiveCharts {
   constructor(painter) {
     this.painter = painter;
-    const charts = ["error", "step", ...EFFORTS].map((name) => [name, new Chart(element(`chart-${name}`), painter)]);
+    const charts = ["error", "step", ...EFFORTS].map((name) => [
+      name,
+      new Chart(element(`chart-${name}`), painter),
+    ]);
     this.charts = Object.fromEntries(charts);
     this.drawn = 0;
   }
@@ -82,14 +85,19 @@ class LiveCharts {
     const now = performance.now();
     this.charts.error.add(frame.errors.length ? 1000 * largestOf(frame.errors) : NaN, now);
     this.charts.step.add(1000 * frame.step_time, now);
-    if (frame.plots) this.quantities.forEach((quantity, k) => quantity.add(frame.time, frame.plots[k], now));
+    if (frame.plots) {
+      this.quantities.forEach((quantity, k) => quantity.add(frame.time, frame.plots[k], now));
+    }
   }
 
   // The quantities as a table, one row for each time.
   get table() {
     const [first] = this.quantities;
     const names = ["time (s)", ...this.quantities.map(({ name }) => name)];
-    const rows = first.rows.map(([time], row) => [time, ...this.quantities.map(({ rows }) => rows[row][1])]);
+    const rows = first.rows.map(([time], row) => [
+      time,
+      ...this.quantities.map(({ rows }) => rows[row][1]),
+    ]);
     const quoted = names.map((name) => `"${name.replaceAll('"', '""')}"`);
     return [quoted, ...rows].map((row) => row.join(",")).join("\n") + "\n";
   }
@@ -98,11 +106,12 @@ class LiveCharts {
   draw(frame, state, now) {
     if (now - this.drawn < CHART_EVERY) return;
     this.drawn = now;
-    const { error, step } = this.charts, efforts = this.model.efforts(frame);
+    const { error, step } = this.charts;
+    const efforts = this.model.efforts(frame);
     if (error.shown) this.drawErrors(error, frame);
     for (const kind of EFFORTS) this.drawEfforts(kind, efforts, new Set(state.cuts));
     for (const quantity of this.quantities) quantity.draw();
-    const step_length = (state.values.step ?? 1000 * this.model.scene.step);
+    const step_length = state.values.step ?? 1000 * this.model.scene.step;
     if (step.shown) this.drawSteps(step, frame, step_length / state.speed);
   }
 
@@ -115,7 +124,8 @@ class LiveCharts {
   }
 
   drawEfforts(kind, efforts, cuts) {
-    const chart = this.charts[kind], { bottom, top } = this.painter.scales[kind];
+    const chart = this.charts[kind];
+    const { bottom, top } = this.painter.scales[kind];
     const joints = efforts.filter((joint) => joint.kind === kind);
     element(`charts-${kind}`).hidden = joints.length === 0;
     if (!chart.shown || !joints.length) return;
@@ -124,18 +134,45 @@ class LiveCharts {
     const points = joints.map((joint) => [joint.number, upOf(joint)]);
     chart.start([bottom, top], powerText, [-0.5, efforts.length - 0.5]);
     if (this.model.benches) chart.track(points);
-    else for (const [j, up] of points) chart.line([[j, bottom], [j, up]], { colour: "any", width: 4 });
-    for (const j of cuts) chart.line([[j, bottom], [j, top]], { colour: "contact" });
+    else {
+      for (const [j, up] of points) {
+        chart.line(
+          [
+            [j, bottom],
+            [j, up],
+          ],
+          { colour: "any", width: 4 },
+        );
+      }
+    }
+    for (const j of cuts) {
+      chart.line(
+        [
+          [j, bottom],
+          [j, top],
+        ],
+        { colour: "contact" },
+      );
+    }
     const largest = largestOf(joints.filter(isValid).map(({ effort }) => effort));
     const worst = joints.find((joint) => isValid(joint) && joint.effort === largest);
-    setText(`value-${kind}`, worst
-      ? localized("{force}, joint {i}", { force: this.model.effortText(worst), i: worst.number })
-      : "–");
+    setText(
+      `value-${kind}`,
+      worst
+        ? localized("{force}, joint {i}", { force: this.model.effortText(worst), i: worst.number })
+        : "–",
+    );
   }
 
   drawSteps(chart, { step_time }, budget) {
     chart.start([0, roundUp(Math.max(...chart.values, 1.05 * budget))]);
-    chart.line([[chart.begin, budget], [chart.clock, budget]], { colour: "contact", width: 1.25 });
+    chart.line(
+      [
+        [chart.begin, budget],
+        [chart.clock, budget],
+      ],
+      { colour: "contact", width: 1.25 },
+    );
     chart.track();
     const [time, limit] = [1000 * step_time, budget].map(formatTime);
     setText("value-step", localized("{time} of {limit}", { time, limit }));
@@ -153,7 +190,12 @@ class Quantity {
     this.value = created("span", {}, "–");
     this.caption = created("span");
     const canvas = created("canvas", { ariaHidden: "true" });
-    this.figure = created("figure", {}, created("figcaption", {}, this.caption, " ", this.value), canvas);
+    this.figure = created(
+      "figure",
+      {},
+      created("figcaption", {}, this.caption, " ", this.value),
+      canvas,
+    );
     this.chart = new Chart(canvas, painter);
   }
 
@@ -164,7 +206,8 @@ class Quantity {
   }
 
   draw() {
-    const { chart } = this, { values } = chart;
+    const { chart } = this;
+    const { values } = chart;
     this.caption.textContent = translated(this.title) + this.unit;
     if (!chart.shown || !values.length) return;
     let [low, high] = [Math.min(...values), Math.max(...values)];
@@ -172,7 +215,10 @@ class Quantity {
     const least = Math.max(Math.abs(low), Math.abs(high)) * 1e-4 || 1;
     if (high - low < least) [low, high] = [(low + high - least) / 2, (low + high + least) / 2];
     // Enough digits to tell the ticks apart.
-    const digits = Math.max(2, Math.ceil(Math.log10(10 * Math.max(Math.abs(low), Math.abs(high)) / (high - low))));
+    const digits = Math.max(
+      2,
+      Math.ceil(Math.log10((10 * Math.max(Math.abs(low), Math.abs(high))) / (high - low))),
+    );
     const margin = (high - low) / 50;
     chart.start([low - margin, high + margin], (value) => numberText(value, digits));
     chart.track();

@@ -25,7 +25,9 @@ function connect(live) {
   listenForProgram(live);
   listenForLeaving(live);
   element("save").href = `inputs${location.search}`;
-  for (const kind of ["focus", "blur"]) element("field").addEventListener(kind, () => live.requestDraw());
+  for (const kind of ["focus", "blur"]) {
+    element("field").addEventListener(kind, () => live.requestDraw());
+  }
   document.body.classList.toggle("framed", STAGE !== null);
   addEventListener("hashchange", () => live.setLanguage(chosenLanguage()));
   const opens = STAGE !== null || matchMedia(WIDE).matches;
@@ -46,7 +48,8 @@ const buttonsOf = (live) => ({
 
 function connectFields(live) {
   const { tools } = live;
-  const changed = (id, action) => element(id).addEventListener("change", ({ target }) => action(target));
+  const changed = (id, action) =>
+    element(id).addEventListener("change", ({ target }) => action(target));
   changed("scene", ({ value }) => live.send({ do: "scene", name: value }));
   changed("speed", ({ value }) => live.send({ do: "speed", value: Number(value) }));
   changed("contacts", ({ value }) => live.send({ do: "contacts", value }));
@@ -57,7 +60,8 @@ function connectFields(live) {
 // A mouse or a pen with all its buttons, and the wheel, while they belong to a program. A finger is
 // its left button, and two move and zoom the view, as does the wheel with Ctrl.
 function listenForProgram(live) {
-  const canvas = element("field"), { tools } = live;
+  const canvas = element("field");
+  const { tools } = live;
   const passed = (event) => {
     if (event.pointerType === "touch" || !tools.isProgram || !live.frame) return;
     live.pixel = pixelOf(canvas, event);
@@ -70,15 +74,22 @@ function listenForProgram(live) {
   for (const kind of ["down", "move", "up", "cancel"]) {
     canvas.addEventListener(`pointer${kind}`, passed, true);
   }
-  canvas.addEventListener("wheel", (event) => {
-    if (!tools.isProgram || event.ctrlKey) return;
-    event.preventDefault();
-    event.stopImmediatePropagation();
-    const notch = event.deltaMode === WheelEvent.DOM_DELTA_LINE ? NOTCH_LINES : NOTCH_PIXELS;
-    tools.turn(event.deltaX / notch, -event.deltaY / notch);
-  }, { capture: true, passive: false });
+  canvas.addEventListener(
+    "wheel",
+    (event) => {
+      if (!tools.isProgram || event.ctrlKey) return;
+      event.preventDefault();
+      event.stopImmediatePropagation();
+      const notch = event.deltaMode === WheelEvent.DOM_DELTA_LINE ? NOTCH_LINES : NOTCH_PIXELS;
+      tools.turn(event.deltaX / notch, -event.deltaY / notch);
+    },
+    { capture: true, passive: false },
+  );
   // The middle button would scroll.
-  canvas.addEventListener("mousedown", (event) => tools.isProgram && event.button === 1 && event.preventDefault());
+  canvas.addEventListener(
+    "mousedown",
+    (event) => tools.isProgram && event.button === 1 && event.preventDefault(),
+  );
   canvas.addEventListener("contextmenu", (event) => tools.isProgram && event.preventDefault());
 }
 
@@ -98,7 +109,8 @@ function listenForLeaving(live) {
 // Send a key of the scene's own; it does nothing else. What is released is the key that went down:
 // its name changes with the shift key.
 function takesKey(live, event) {
-  const { pressed } = live, code = event.code || event.key;
+  const { pressed } = live;
+  const code = event.code || event.key;
   if (event.type === "keyup") {
     if (!pressed.has(code)) return false;
     live.send({ do: "press", name: pressed.get(code), down: false });

@@ -24,10 +24,15 @@ class LivePainter extends Painter {
   draw({ frame, poses, state, show, held, target, aims }) {
     const { model } = this;
     const joints = model.joints(frame, poses, state.cuts);
-    const benches = new Benches(model, poses), visible = this.visible(benches), inContact = new Set(frame.touching);
+    const benches = new Benches(model, poses);
+    const visible = this.visible(benches);
+    const inContact = new Set(frame.touching);
     const now = performance.now();
     for (const kind of EFFORTS) this.scales[kind].include(largestOf(effortsOf(joints, kind)), now);
-    this.impulseScale.include(largestOf(frame.contacts.filter((_, k) => k % CONTACT_SIZE === CONTACT_SIZE - 1)), now);
+    this.impulseScale.include(
+      largestOf(frame.contacts.filter((_, k) => k % CONTACT_SIZE === CONTACT_SIZE - 1)),
+      now,
+    );
     this.clear();
     if (show.curve && model.benches) this.drawCurve();
     if (model.benches) {
@@ -51,7 +56,11 @@ class LivePainter extends Painter {
     this.pale = true;
     this.drawBenches(benches, visible.filter(free), inContact);
     this.pale = false;
-    this.drawBenches(benches, visible.filter((i) => !free(i)), inContact);
+    this.drawBenches(
+      benches,
+      visible.filter((i) => !free(i)),
+      inContact,
+    );
     if (target?.bench !== undefined) this.drawPointed(benches, target.bench, inContact);
     if (show.ghost) drawErrors(this, frame);
     if (show.handles) drawHandles(this, benches, visible);

@@ -4,39 +4,53 @@ const SPEEDS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20]; // simulated over real time
 
 // An event of the server, whose numbers are fields {i}, {j}, ... of a text in the catalogue.
 function translatedNumbers(text) {
-  const numbers = text.match(/\d+/g) ?? [], names = "ijk";
+  const numbers = text.match(/\d+/g) ?? [];
+  const names = "ijk";
   let k = 0;
-  const template = text.replace(/\d+/g, () => `{${names[k++]}}`), found = translated(template);
+  const template = text.replace(/\d+/g, () => `{${names[k++]}}`);
+  const found = translated(template);
   if (found === template) return text;
   return fill(found, Object.fromEntries(numbers.map((number, n) => [names[n], number])));
 }
 
 function showScene(live) {
   const { scene, model } = live;
-  const title = document.title = translated(scene.title);
+  const title = (document.title = translated(scene.title));
   setText("title", title);
   setText("text", translated(scene.text));
-  setText("force-name", model.benches ? localized("Tension along the chain (N)")
-    : localized("Force by joint ({unit})", { unit: model.unitOf.force }));
+  setText(
+    "force-name",
+    model.benches
+      ? localized("Tension along the chain (N)")
+      : localized("Force by joint ({unit})", { unit: model.unitOf.force }),
+  );
   setText("torque-name", localized("Torque by joint ({unit})", { unit: model.unitOf.torque }));
   live.sliders.setParameters(scene.parameters);
   showLesson(scene);
   element("reset").title = scene.given
-    ? localized("Start again: all is as it was at first, sliders too; where bodies touch, the run may differ")
+    ? localized(
+        "Start again: all is as it was at first, sliders too; where bodies touch, the run may differ",
+      )
     : localized("Start again: all is as it was at first, sliders too");
   for (const id of ["save", "about-save"]) element(id).hidden = IN_WIDGET || !scene.replays;
   const list = element("scene");
-  list.replaceChildren(...scene.scenes.map((each) => new Option(translated(each.title), each.name)));
+  list.replaceChildren(
+    ...scene.scenes.map((each) => new Option(translated(each.title), each.name)),
+  );
   list.value = scene.name;
-  element("field").setAttribute("aria-label", model.benches
-    ? localized("{title}: {count} benches seen from above", { title, count: model.benches })
-    : title);
+  element("field").setAttribute(
+    "aria-label",
+    model.benches
+      ? localized("{title}: {count} benches seen from above", { title, count: model.benches })
+      : title,
+  );
   showAbilities(live);
 }
 
 // A link to the lesson of a scene, if its page is on this server; otherwise the command that shows it.
 function showLesson({ lesson }) {
-  const here = location.pathname.endsWith("/live"), link = element("lesson");
+  const here = location.pathname.endsWith("/live");
+  const link = element("lesson");
   const command = `pymunk-dragon demo --live ${lesson}${language === "en" ? "" : ` --lang ${language}`}`;
   setText("lesson", lesson ? localized("Lesson: {name}", { name: here ? lesson : command }) : "");
   if (here) link.href = `./${location.search}#${lesson}`;
@@ -44,8 +58,14 @@ function showLesson({ lesson }) {
 
 function showAbilities(live) {
   const { model } = live;
-  for (const name of SWITCHES) element(`show-${name}`).closest("label").hidden = !live.hasSwitch(name);
-  const parts = { dancers: "dancers", "contacts-row": "contacts", "until-contact": "until_contact" };
+  for (const name of SWITCHES) {
+    element(`show-${name}`).closest("label").hidden = !live.hasSwitch(name);
+  }
+  const parts = {
+    dancers: "dancers",
+    "contacts-row": "contacts",
+    "until-contact": "until_contact",
+  };
   for (const id in parts) element(id).hidden = !model.can(parts[id]);
   element("follow").hidden = model.benches === 0;
   element("parameters-part").hidden = live.scene.parameters.length === 0;
@@ -53,8 +73,13 @@ function showAbilities(live) {
     const onclick = () => live.send({ do: "press", name, down: true });
     return created("button", { type: "button", className: "plain sends", onclick }, name);
   });
-  const keys = live.scene.keys.filter((key) => key !== "*").map((key) => created("kbd", {}, keySign(key)));
-  element("actions").replaceChildren(...buttons, ...(keys.length ? [localized("Keys"), ...keys] : []));
+  const keys = live.scene.keys
+    .filter((key) => key !== "*")
+    .map((key) => created("kbd", {}, keySign(key)));
+  element("actions").replaceChildren(
+    ...buttons,
+    ...(keys.length ? [localized("Keys"), ...keys] : []),
+  );
   live.afterChange();
 }
 
@@ -72,29 +97,42 @@ function showState(live) {
 
 // The list has the usual speeds, and the server's if it is another one.
 function showSpeed(speed) {
-  const list = element("speed"), speeds = [...new Set([...SPEEDS, speed])].sort((one, two) => one - two);
+  const list = element("speed");
+  const speeds = [...new Set([...SPEEDS, speed])].sort((one, two) => one - two);
   const options = speeds.map((value) => new Option(`${value}×`, value));
-  if (list.textContent !== options.map(({ text }) => text).join("")) list.replaceChildren(...options);
+  if (list.textContent !== options.map(({ text }) => text).join("")) {
+    list.replaceChildren(...options);
+  }
   list.value = speed;
 }
 
 // Controls that send are disabled for those who watch, and while there is no connection.
 function showAccess(live) {
-  for (const control of document.querySelectorAll(".sends, .toolbox input")) control.disabled = !live.controls;
+  for (const control of document.querySelectorAll(".sends, .toolbox input")) {
+    control.disabled = !live.controls;
+  }
   // A program that makes the steps itself builds its space once.
   for (const id of ["reset", "scene"]) element(id).disabled ||= !live.scene?.resets;
-  const role = live.state?.replaying ? localized("Replay") : live.scene?.role === "watch" ? localized("Watching") : "";
+  const role = live.state?.replaying
+    ? localized("Replay")
+    : live.scene?.role === "watch"
+      ? localized("Watching")
+      : "";
   setText("role", role);
   element("role").hidden = role === "";
 }
 
 // Simulated over real time in the last second, by the session's clock; null in the first moments after a change.
 function rateOf(live) {
-  const { state: { running, speed }, frame: { generation, clock, time } } = live;
+  const {
+    state: { running, speed },
+    frame: { generation, clock, time },
+  } = live;
   const kind = [running, speed, generation].join();
   if (live.rateKind !== kind) Object.assign(live, { rateKind: kind, ticks: [] });
   live.ticks = [...live.ticks, { clock, time }].filter((one) => one.clock >= clock - RATE_TIME);
-  const [first] = live.ticks, passed = clock - first.clock;
+  const [first] = live.ticks;
+  const passed = clock - first.clock;
   return passed >= RATE_TIME / 2 ? (time - first.time) / passed : null;
 }
 
@@ -102,10 +140,13 @@ function showFrame(live) {
   const { frame, state } = live;
   setText("clock", frame.time.toFixed(2));
   setText("march", marchText(frame));
-  const now = rateOf(live), known = now !== null;
+  const now = rateOf(live);
+  const known = now !== null;
   const slow = state.running && known && now < SLOW * state.speed;
   const rate = known ? `${now.toFixed(2)}×` : "–";
-  const achieved = slow ? localized("Slow: {rate}", { rate }) : localized("{rate} real time", { rate });
+  const achieved = slow
+    ? localized("Slow: {rate}", { rate })
+    : localized("{rate} real time", { rate });
   setText("achieved", state.running ? achieved : localized("Paused"));
   element("achieved").classList.toggle("slow", slow);
 }

@@ -9,7 +9,9 @@ class Model {
     this.spacings = dragon?.spacings ?? [];
     const side = Math.min(...field.size);
     this.widths = dragon?.widths ?? [side / 20];
-    this.narrowest = dragon ? Math.min(...this.widths) : Math.max(side, Math.max(...field.size) / 10) / 50;
+    this.narrowest = dragon
+      ? Math.min(...this.widths)
+      : Math.max(side, Math.max(...field.size) / 10) / 50;
     this.up = scene.y_down ? -1 : 1;
     this.units = scene.units;
     this.unitOf = scene.unit_of; // of a force, torque, impulse, energy
@@ -24,13 +26,17 @@ class Model {
 
   // A length as text.
   lengthText(value) {
-    return this.units === "m" ? formatLength(value, 0) : `${Number(value.toPrecision(3))} ${this.units}`;
+    return this.units === "m"
+      ? formatLength(value, 0)
+      : `${Number(value.toPrecision(3))} ${this.units}`;
   }
 
   // The force or torque in a joint as text.
   effortText({ kind, effort }) {
     if (!(effort >= 0)) return "–";
-    if (this.units === "m" && effort >= 1000) return `${(effort / 1000).toFixed(1)} k${this.unitOf[kind]}`;
+    if (this.units === "m" && effort >= 1000) {
+      return `${(effort / 1000).toFixed(1)} k${this.unitOf[kind]}`;
+    }
     return `${numberText(effort)} ${this.unitOf[kind]}`;
   }
 
@@ -39,20 +45,33 @@ class Model {
   // there is none.
   bodyAt(point, slip, { calls }, poses) {
     if (this.benches) {
-      const benches = new Benches(this, poses), bench = benches.at(point, slip);
+      const benches = new Benches(this, poses);
+      const bench = benches.at(point, slip);
       return bench === null ? null : { bench, ...benches.nearestPoint(bench, point) };
     }
-    const near = calls.filter(({ grip }) => grip > 0).map((call) => ({ call, ...nearestOnShape(call, point) }))
-      .filter(({ distance }) => distance <= slip).reverse();
+    const near = calls
+      .filter(({ grip }) => grip > 0)
+      .map((call) => ({ call, ...nearestOnShape(call, point) }))
+      .filter(({ distance }) => distance <= slip)
+      .reverse();
     const best = Math.max(...near.map(({ call }) => call.grip));
-    return nearestWithin(slip, near.filter(({ call }) => call.grip === best), ({ distance }) => distance);
+    return nearestWithin(
+      slip,
+      near.filter(({ call }) => call.grip === best),
+      ({ distance }) => distance,
+    );
   }
 
   // Number and effort of each joint of a frame. The kind of an effort is "force" or "torque"; a step of 0 s has none.
   efforts({ joints, forces }) {
-    if (this.benches) return Array.from(forces, (effort, number) => ({ number, effort, kind: "force" }));
-    return Array.from(rowsOf(joints, JOINT_SIZE), ([, , , , effort, rotary], number) =>
-      ({ number, effort, kind: rotary ? "torque" : "force" }));
+    if (this.benches) {
+      return Array.from(forces, (effort, number) => ({ number, effort, kind: "force" }));
+    }
+    return Array.from(rowsOf(joints, JOINT_SIZE), ([, , , , effort, rotary], number) => ({
+      number,
+      effort,
+      kind: rotary ? "torque" : "force",
+    }));
   }
 
   // The same with the two ends of each joint. Those of a dragon are the holes that two benches share.
@@ -60,10 +79,16 @@ class Model {
     const efforts = this.efforts(frame);
     if (!this.benches) {
       const rows = [...rowsOf(frame.joints, JOINT_SIZE)];
-      return efforts.map((joint, j) => ({ ...joint, ends: [rows[j].slice(0, 2), rows[j].slice(2, 4)] }));
+      return efforts.map((joint, j) => ({
+        ...joint,
+        ends: [rows[j].slice(0, 2), rows[j].slice(2, 4)],
+      }));
     }
     const { handles } = new Benches(this, poses);
-    const joints = efforts.map((joint, j) => ({ ...joint, ends: [handles[j + 1], handles[j + 1]] }));
+    const joints = efforts.map((joint, j) => ({
+      ...joint,
+      ends: [handles[j + 1], handles[j + 1]],
+    }));
     return joints.filter(({ number }) => !cuts.includes(number));
   }
 
@@ -76,8 +101,12 @@ class Model {
 // ---- distances of points from drawn shapes, in the units of the space
 
 function nearestOnSegment([ax, ay], [bx, by], [px, py]) {
-  const dx = bx - ax, dy = by - ay;
-  const share = Math.min(Math.max(((px - ax) * dx + (py - ay) * dy) / (dx * dx + dy * dy || 1), 0), 1);
+  const dx = bx - ax;
+  const dy = by - ay;
+  const share = Math.min(
+    Math.max(((px - ax) * dx + (py - ay) * dy) / (dx * dx + dy * dy || 1), 0),
+    1,
+  );
   const point = [ax + share * dx, ay + share * dy];
   return { point, distance: Math.hypot(px - point[0], py - point[1]) };
 }
@@ -94,9 +123,11 @@ function isInside(corners, [px, py]) {
 // Point of a shape that is closest to a point, and the distance; 0 within the shape.
 function nearestOnShape({ points, radius }, given) {
   if (isInside(points, given)) return { point: given, distance: 0 };
-  const sides = points.map((corner, i) => nearestOnSegment(corner, points[(i + 1) % points.length], given));
+  const sides = points.map((corner, i) =>
+    nearestOnSegment(corner, points[(i + 1) % points.length], given),
+  );
   const { point, distance } = sides.reduce((one, two) => (two.distance < one.distance ? two : one));
   if (distance <= radius) return { point: given, distance: 0 };
-  const shift = (value, axis) => value + radius / distance * (given[axis] - value);
+  const shift = (value, axis) => value + (radius / distance) * (given[axis] - value);
   return { point: point.map(shift), distance: distance - radius };
 }

@@ -12,19 +12,31 @@ const CUT_MARK = 5; // pixels: half the size of the cross at a cut joint
 
 // Outlines of exact benches that differ visibly from those of the engine.
 function drawErrors(painter, { exact, errors }) {
-  const ghosts = new Benches(painter.model, posesOf(exact)), least = GHOST_SHOWN / painter.view.scale;
-  drawGhosts(painter, ghosts, painter.visible(ghosts).filter((i) => errors[i] >= least));
+  const ghosts = new Benches(painter.model, posesOf(exact));
+  const least = GHOST_SHOWN / painter.view.scale;
+  drawGhosts(
+    painter,
+    ghosts,
+    painter.visible(ghosts).filter((i) => errors[i] >= least),
+  );
 }
 
 // A disc at each joint with a force, a square at one with a torque: colour and size show it.
 function drawEfforts({ context, view, colours, scales }, joints) {
   const paths = new Map();
-  for (const { ends: [one, two], effort, kind } of joints) {
-    const x = (one[0] + two[0]) / 2, y = (one[1] + two[1]) / 2;
+  for (const {
+    ends: [one, two],
+    effort,
+    kind,
+  } of joints) {
+    const x = (one[0] + two[0]) / 2;
+    const y = (one[1] + two[1]) / 2;
     if (!(effort >= 0) || !view.isVisible(x, y, 0)) continue;
-    const share = scales[kind].share(effort), shade = Math.round(share * (SHADES - 1));
+    const share = scales[kind].share(effort);
+    const shade = Math.round(share * (SHADES - 1));
     if (!paths.has(shade)) paths.set(shade, new Path2D());
-    const radius = SMALLEST_DISC + DISC_GROWTH * share, path = paths.get(shade);
+    const radius = SMALLEST_DISC + DISC_GROWTH * share;
+    const path = paths.get(shade);
     const [px, py] = view.toScreen(x, y);
     path.moveTo(px + radius, py);
     if (kind === "torque") path.rect(px - radius, py - radius, 2 * radius, 2 * radius);
@@ -42,7 +54,8 @@ function drawEfforts({ context, view, colours, scales }, joints) {
 // A ring or dot at each contact point, and an arrow along the normal of each pair.
 function drawImpulses(painter, frame) {
   const { context, colours, view, model, impulseScale } = painter;
-  const count = frame.contacts.length / CONTACT_SIZE, many = count > MANY_CONTACTS;
+  const count = frame.contacts.length / CONTACT_SIZE;
+  const many = count > MANY_CONTACTS;
   const path = new Path2D();
   let largest = null;
   context.fillStyle = COLLISION_COLOUR;
@@ -59,7 +72,8 @@ function drawImpulses(painter, frame) {
   }
   strokeTwice(context, path, colours.background, COLLISION_COLOUR, 2);
   if (!largest || many) return;
-  const { impulse, px, py } = largest, number = impulse >= 0.001 ? Number(impulse.toPrecision(2)) : "< 0.001";
+  const { impulse, px, py } = largest;
+  const number = impulse >= 0.001 ? Number(impulse.toPrecision(2)) : "< 0.001";
   drawLabel(painter, `${number} ${model.unitOf.impulse}`, px, py);
 }
 
@@ -80,11 +94,15 @@ function drawCuts({ context, view, colours }, benches, cuts) {
 
 // A line from the anchor on the held body to the pointer.
 function drawHeld({ context, view, colours }, { anchor, target }) {
-  const from = view.toScreen(...anchor), to = view.toScreen(...target);
+  const from = view.toScreen(...anchor);
+  const to = view.toScreen(...target);
   const path = new Path2D();
   path.moveTo(...from);
   path.lineTo(...to);
-  for (const [[px, py], radius] of [[from, 4], [to, 7]]) {
+  for (const [[px, py], radius] of [
+    [from, 4],
+    [to, 7],
+  ]) {
     path.moveTo(px + radius, py);
     path.arc(px, py, radius, 0, TURN);
   }
@@ -93,8 +111,15 @@ function drawHeld({ context, view, colours }, { anchor, target }) {
 
 // A cross at the point where keys apply the tool.
 function drawAim({ context, view, colours }) {
-  const px = view.width / 2, py = view.height / 2, path = new Path2D();
-  for (const [dx, dy] of [[1, 0], [-1, 0], [0, 1], [0, -1]]) {
+  const px = view.width / 2;
+  const py = view.height / 2;
+  const path = new Path2D();
+  for (const [dx, dy] of [
+    [1, 0],
+    [-1, 0],
+    [0, 1],
+    [0, -1],
+  ]) {
     path.moveTo(px + 4 * dx, py + 4 * dy);
     path.lineTo(px + 14 * dx, py + 14 * dy);
   }
@@ -107,13 +132,22 @@ function drawTarget(painter, target) {
   if (target.label) drawLabel(painter, target.label, ...target.pixel);
   if (target.joint) {
     const middle = target.joint.ends.map((end) => view.toScreen(...end));
-    drawRing(painter, [0, 1].map((axis) => (middle[0][axis] + middle[1][axis]) / 2));
+    drawRing(
+      painter,
+      [0, 1].map((axis) => (middle[0][axis] + middle[1][axis]) / 2),
+    );
   } else if (target.call) {
     strokeTwice(context, shapePath(view, target.call), colours.background, colours.text, 2);
   } else if (target.obstacle) {
     context.setLineDash([5, 4]);
     const colour = target.removes ? colours.contact : colours.text;
-    strokeTwice(context, shapePath(view, obstacleCall(target.obstacle)), colours.background, colour, 2);
+    strokeTwice(
+      context,
+      shapePath(view, obstacleCall(target.obstacle)),
+      colours.background,
+      colour,
+      2,
+    );
     context.setLineDash([]);
   }
 }

@@ -7,17 +7,23 @@ const POSITIONS = 400; // steps of a slider
 // What a slider of a parameter shows at a position from 0 to 1, and the reverse.
 function scaleOf({ low, high, logarithmic, whole }) {
   const log = logarithmic && low > 0;
-  const exact = (position) => (log ? low * (high / low) ** position : low + position * (high - low));
+  const exact = (position) =>
+    log ? low * (high / low) ** position : low + position * (high - low);
   return {
     step: whole && !log && high > low ? (1 - 1e-9) / (high - low) : 1 / POSITIONS, // The last step stays within 1.
     valueAt(position) {
       if (position <= 0) return low;
       if (position >= 1) return high;
       const value = exact(position);
-      return Math.min(Math.max(whole ? Math.round(value) : Number(value.toPrecision(3)), low), high);
+      return Math.min(
+        Math.max(whole ? Math.round(value) : Number(value.toPrecision(3)), low),
+        high,
+      );
     },
     positionOf(value) {
-      const position = log ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low || 1);
+      const position = log
+        ? Math.log(value / low) / Math.log(high / low)
+        : (value - low) / (high - low || 1);
       return Math.min(Math.max(position, 0), 1);
     },
   };
@@ -30,9 +36,18 @@ class Slider {
     this.touched = -SETTLE;
     const id = `parameter-${parameter.name}`;
     this.output = created("output", { htmlFor: id });
-    this.input = created("input", { id, type: "range", min: 0, max: 1, step: this.scale.step, className: "sends" });
+    this.input = created("input", {
+      id,
+      type: "range",
+      min: 0,
+      max: 1,
+      step: this.scale.step,
+      className: "sends",
+    });
     const label = created("label", { htmlFor: id }, translated(parameter.label || parameter.name));
-    if (parameter.rebuilds) label.append(" ", created("span", { className: "note" }, localized("starts again")));
+    if (parameter.rebuilds) {
+      label.append(" ", created("span", { className: "note" }, localized("starts again")));
+    }
     this.element = created("div", { className: "slider" }, label, this.output, this.input);
     this.listen(send);
     this.show(parameter.value);
@@ -74,7 +89,9 @@ function numberText(value, digitsShown = 3) {
     const [digits, power] = value.toExponential(digitsShown - 1).split("e");
     return `${signed(Number(digits))}·10${superscript(Number(power))}`;
   }
-  return signed(size >= 10 ** digitsShown ? Math.round(value) : Number(value.toPrecision(digitsShown)));
+  return signed(
+    size >= 10 ** digitsShown ? Math.round(value) : Number(value.toPrecision(digitsShown)),
+  );
 }
 
 class Sliders {

@@ -34,7 +34,9 @@ class Recorder {
     const type = FILM_TYPES.find((each) => globalThis.MediaRecorder?.isTypeSupported(each));
     if (!type || !canvas.captureStream) return;
     this.setSize(element("field"));
-    const film = this.film = new MediaRecorder(canvas.captureStream(FILM_RATE), { mimeType: type });
+    const film = (this.film = new MediaRecorder(canvas.captureStream(FILM_RATE), {
+      mimeType: type,
+    }));
     const parts = [];
     film.addEventListener("dataavailable", ({ data }) => parts.push(data));
     film.addEventListener("stop", () => {
@@ -59,9 +61,11 @@ class Recorder {
   // Film what the field shows; a field of another shape by now has bars beside it.
   add() {
     if (!this.film) return;
-    const { canvas, context } = this, field = element("field");
+    const { canvas, context } = this;
+    const field = element("field");
     const scale = Math.min(this.width / field.width, this.height / field.height);
-    const width = scale * field.width, height = scale * field.height;
+    const width = scale * field.width;
+    const height = scale * field.height;
     const left = Math.max(0, Math.floor((canvas.width - width) / 2));
     const top = Math.max(0, Math.floor((canvas.height - height) / 2));
     context.fillStyle = this.live.painter.colours.background;

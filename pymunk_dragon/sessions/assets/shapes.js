@@ -27,7 +27,8 @@ function addOutline(path, corners, distance) {
     return Math.atan2(nextY - y, nextX - x);
   });
   points.forEach(([x, y], i) => {
-    const begin = headings.at(i - 1) - TURN / 4, end = headings[i] - TURN / 4;
+    const begin = headings.at(i - 1) - TURN / 4;
+    const end = headings[i] - TURN / 4;
     if (!i) path.moveTo(x + distance * Math.cos(begin), y + distance * Math.sin(begin));
     // At a straight corner, rounding can give an angle just below a full circle.
     if ((((end - begin) % TURN) + TURN) % TURN < 0.75 * TURN) path.arc(x, y, distance, begin, end);
@@ -37,13 +38,18 @@ function addOutline(path, corners, distance) {
 
 function shapePath(view, { points, radius }) {
   const path = new Path2D();
-  addOutline(path, points.map((point) => view.toScreen(...point)), radius * view.scale);
+  addOutline(
+    path,
+    points.map((point) => view.toScreen(...point)),
+    radius * view.scale,
+  );
   return path;
 }
 
 // Whether any of a call may be visible.
 function isCallVisible(view, { kind, points, radius }) {
-  const reach = kind === "dot" ? 0 : radius, [[x, y]] = points;
+  const reach = kind === "dot" ? 0 : radius;
+  const [[x, y]] = points;
   let size = 0;
   for (const [px, py] of points) size = Math.max(size, Math.abs(px - x), Math.abs(py - y));
   return view.isVisible(x, y, reach + size);
@@ -62,7 +68,13 @@ function drawCalls({ context, view }, calls) {
   for (const call of calls) {
     if (!isCallVisible(view, call)) continue;
     const fills = call.kind !== "line";
-    if (!run || !call.opaque || run.fill !== call.fill || run.outline !== call.outline || run.fills !== fills) {
+    if (
+      !run ||
+      !call.opaque ||
+      run.fill !== call.fill ||
+      run.outline !== call.outline ||
+      run.fills !== fills
+    ) {
       finish();
       run = { fill: call.fill, outline: call.outline, fills, path: new Path2D() };
     }
@@ -88,8 +100,21 @@ function addCall(path, view, { kind, points, radius, angle }) {
 }
 
 function obstacleCall({ shape, x, y, size }) {
-  const half = size / 2, round = shape === "round";
-  const square = [[x - half, y - half], [x + half, y - half], [x + half, y + half], [x - half, y + half]];
-  return { kind: round ? "circle" : "polygon", points: round ? [[x, y]] : square, radius: round ? half : 0, angle: 0,
-    fill: STATIC_COLOUR, outline: OUTLINE_COLOUR, opaque: true };
+  const half = size / 2;
+  const round = shape === "round";
+  const square = [
+    [x - half, y - half],
+    [x + half, y - half],
+    [x + half, y + half],
+    [x - half, y + half],
+  ];
+  return {
+    kind: round ? "circle" : "polygon",
+    points: round ? [[x, y]] : square,
+    radius: round ? half : 0,
+    angle: 0,
+    fill: STATIC_COLOUR,
+    outline: OUTLINE_COLOUR,
+    opaque: true,
+  };
 }

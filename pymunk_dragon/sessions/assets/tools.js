@@ -6,9 +6,19 @@ const MOUSE_SLIP = 3; // pixels: the same for a mouse
 const GRAB_SLIP = 10; // pixels: the same for the server, where the body may have moved on
 const MOST_NOTCHES = 100; // of the wheel, in a message
 const DRAG_DIGITS = 6; // significant digits of where the hand is: inputs are kept in little memory
-const BUTTONS = [[1, 1], [4, 2], [2, 3]]; // bits of `PointerEvent.buttons`, and pygame's numbers of the buttons
+const BUTTONS = [
+  [1, 1],
+  [4, 2],
+  [2, 3],
+]; // bits of `PointerEvent.buttons`, and pygame's numbers of the buttons
 const TOOLS = ["drag", "cut", "round", "square", "release", "program"];
-const ABILITY_OF_TOOL = { program: "pointer", cut: "cut", round: "obstacles", square: "obstacles", release: "dancers" };
+const ABILITY_OF_TOOL = {
+  program: "pointer",
+  cut: "cut",
+  round: "obstacles",
+  square: "obstacles",
+  release: "dancers",
+};
 const OBSTACLES = { low: 0.005, usual: 0.04, high: 0.25 }; // sizes as parts of the field's shorter side
 
 class Tools {
@@ -24,12 +34,18 @@ class Tools {
   // A rebuilt scene keeps the size of obstacles.
   setModel(model, rebuilt) {
     this.drop();
-    for (const tool of TOOLS) element(`tool-${tool}`).closest("label").hidden = !model.can(ABILITY_OF_TOOL[tool]);
+    for (const tool of TOOLS) {
+      element(`tool-${tool}`).closest("label").hidden = !model.can(ABILITY_OF_TOOL[tool]);
+    }
     if (!model.can(ABILITY_OF_TOOL[this.chosen])) this.choose("drag");
     if (rebuilt) return;
     if (model.can("pointer")) this.choose("program");
     const side = Math.min(...model.field.size);
-    this.sizes = scaleOf({ low: OBSTACLES.low * side, high: OBSTACLES.high * side, logarithmic: true });
+    this.sizes = scaleOf({
+      low: OBSTACLES.low * side,
+      high: OBSTACLES.high * side,
+      logarithmic: true,
+    });
     element("obstacle-size").value = this.sizes.positionOf(OBSTACLES.usual * side);
     this.showSize();
   }
@@ -72,7 +88,12 @@ class Tools {
     }
     if (this.chosen !== "drag" || !live.controls) return false;
     const slip = kind === "mouse" ? MOUSE_SLIP : BODY_SLIP;
-    const found = live.model.bodyAt(live.view.toWorld(...pixel), slip / live.view.scale, live.frame, live.poses);
+    const found = live.model.bodyAt(
+      live.view.toWorld(...pixel),
+      slip / live.view.scale,
+      live.frame,
+      live.poses,
+    );
     if (!found) return false;
     const [x, y] = found.point;
     // The body has moved on since the picture was made.
@@ -102,7 +123,9 @@ class Tools {
   flush() {
     this.flushProgram();
     if (!this.carried || this.chosen === "program") return;
-    const [x, y] = this.live.view.toWorld(...this.carried).map((value) => Number(value.toPrecision(DRAG_DIGITS)));
+    const [x, y] = this.live.view
+      .toWorld(...this.carried)
+      .map((value) => Number(value.toPrecision(DRAG_DIGITS)));
     if (this.sent && this.sent[0] === x && this.sent[1] === y) return;
     this.sent = [x, y];
     this.live.send({ do: "drag", x, y });
@@ -127,7 +150,9 @@ class Tools {
   }
 
   sendPointer(pixel, kind, button) {
-    const [x, y] = this.live.view.toWorld(...pixel).map((value) => Number(value.toPrecision(DRAG_DIGITS)));
+    const [x, y] = this.live.view
+      .toWorld(...pixel)
+      .map((value) => Number(value.toPrecision(DRAG_DIGITS)));
     this.live.send({ do: "pointer", x, y, kind, button });
   }
 
@@ -141,7 +166,9 @@ class Tools {
   flushProgram() {
     if (this.pointed) this.sendPointer(this.pointed, "move", 1);
     if (this.turned) {
-      const [right, up] = this.turned.map((notches) => bounded(notches, -MOST_NOTCHES, MOST_NOTCHES));
+      const [right, up] = this.turned.map((notches) =>
+        bounded(notches, -MOST_NOTCHES, MOST_NOTCHES),
+      );
       this.live.send({ do: "wheel", right, up });
     }
     this.pointed = this.turned = null;
@@ -151,7 +178,10 @@ class Tools {
   get held() {
     if (!this.live.frame.held) return null;
     const [x, y, ...target] = this.live.frame.held;
-    return { anchor: [x, y], target: this.carried ? this.live.view.toWorld(...this.carried) : target };
+    return {
+      anchor: [x, y],
+      target: this.carried ? this.live.view.toWorld(...this.carried) : target,
+    };
   }
 
   // ---- clicks
@@ -162,10 +192,19 @@ class Tools {
     if (!controls) return null;
     const point = view.toWorld(...pixel);
     if (this.chosen === "drag") {
-      return model.bodyAt(point, (this.live.pixel ? MOUSE_SLIP : BODY_SLIP) / view.scale, frame, poses);
+      return model.bodyAt(
+        point,
+        (this.live.pixel ? MOUSE_SLIP : BODY_SLIP) / view.scale,
+        frame,
+        poses,
+      );
     }
     if (this.chosen === "cut") {
-      const joint = model.jointAt(point, JOINT_SLIP / view.scale, model.joints(frame, poses, state.cuts));
+      const joint = model.jointAt(
+        point,
+        JOINT_SLIP / view.scale,
+        model.joints(frame, poses, state.cuts),
+      );
       return joint && { joint, point };
     }
     if (this.chosen === "release") {
@@ -178,7 +217,8 @@ class Tools {
   obstacleAt(point, slip) {
     const { state, view } = this.live;
     const standing = state.obstacles.find(
-      (obstacle) => nearestOnShape(obstacleCall(obstacle), point).distance <= slip / view.scale);
+      (obstacle) => nearestOnShape(obstacleCall(obstacle), point).distance <= slip / view.scale,
+    );
     if (standing) return { obstacle: standing, removes: true };
     return { obstacle: { shape: this.chosen, x: point[0], y: point[1], size: this.size } };
   }
@@ -190,7 +230,9 @@ class Tools {
   }
 
   messageFor({ joint, point, bench, obstacle, removes }) {
-    if (joint) return { do: "cut", x: point[0], y: point[1], slip: JOINT_SLIP / this.live.view.scale };
+    if (joint) {
+      return { do: "cut", x: point[0], y: point[1], slip: JOINT_SLIP / this.live.view.scale };
+    }
     // The head has no dancer of its own that could let go.
     if (bench !== undefined) return { do: "release", bench: Math.max(1, bench) };
     return removes ? { do: "remove", obstacle: obstacle.id } : { do: "obstacle", ...obstacle };
@@ -222,6 +264,9 @@ class Tools {
     if (joint) return localized("joint {i}: {force}", { i: joint.number, force });
     if (bench === undefined) return "";
     if (!(errors[bench] > 0)) return localized("bench {i}", { i: bench });
-    return localized("bench {i}: error {error}", { i: bench, error: formatError(errors[bench], ERROR_KNOWN) });
+    return localized("bench {i}: error {error}", {
+      i: bench,
+      error: formatError(errors[bench], ERROR_KNOWN),
+    });
   }
 }

@@ -20,10 +20,12 @@ function render({ model, el }) {
       open(page);
       return;
     }
-    const bytes = view && new Uint8Array(view.buffer, view.byteOffset, view.byteLength).slice().buffer;
+    const bytes =
+      view && new Uint8Array(view.buffer, view.byteOffset, view.byteLength).slice().buffer;
     frame.contentWindow?.postMessage({ ...content, bytes }, "*");
   };
-  const toPython = ({ source, data }) => source !== null && source === frame.contentWindow && model.send(data);
+  const toPython = ({ source, data }) =>
+    source !== null && source === frame.contentWindow && model.send(data);
 
   model.on("msg:custom", toPage);
   window.addEventListener("message", toPython);

@@ -46,7 +46,7 @@ const signed = (number) => String(number).replace("-", "−");
 
 // Values at equal distances, both limits included.
 function range(from, to, count) {
-  return Array.from({ length: count + 1 }, (_, i) => from + (count && (to - from) * i / count));
+  return Array.from({ length: count + 1 }, (_, i) => from + (count && ((to - from) * i) / count));
 }
 
 // Rows of an array of numbers, as arrays.
@@ -56,10 +56,13 @@ function* rowsOf(numbers, size) {
 
 // The nearest item within a distance, by items and distances; null if there is none.
 function nearestWithin(slip, items, distanceOf) {
-  let found = null, nearest = slip;
+  let found = null;
+  let nearest = slip;
   for (const item of items) {
     const distance = distanceOf(item);
-    if (distance < nearest || (distance === nearest && found === null)) [found, nearest] = [item, distance];
+    if (distance < nearest || (distance === nearest && found === null)) {
+      [found, nearest] = [item, distance];
+    }
   }
   return found;
 }
@@ -68,7 +71,9 @@ const bounded = (value, least, most) => Math.min(Math.max(value, least), most);
 
 // Call `action` with the newest value, at most once in `interval` ms.
 function throttled(action, interval) {
-  let timer = null, newest, last = -interval;
+  let timer = null;
+  let newest;
+  let last = -interval;
   const run = () => {
     timer = null;
     last = performance.now();

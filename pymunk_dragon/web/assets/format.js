@@ -14,7 +14,10 @@ const decimals = (error) => Math.max(0, Math.floor(-Math.log10(error)));
 function formatLength(metres, error) {
   if (metres >= 1) return `${metres.toFixed(Math.min(DECIMALS_M, decimals(error)))} m`;
   const length = 1000 * metres;
-  const significant = Math.min(DECIMALS_MM, Math.max(0, LENGTH_DIGITS - 1 - Math.floor(Math.log10(length))));
+  const significant = Math.min(
+    DECIMALS_MM,
+    Math.max(0, LENGTH_DIGITS - 1 - Math.floor(Math.log10(length))),
+  );
   return `${length.toFixed(Math.min(significant, decimals(1000 * error)))} mm`;
 }
 
@@ -28,10 +31,16 @@ function formatError(metres, error) {
 function benchNumbers(benches, bench, time) {
   const { motion, poses } = benches;
   const velocities = motion.velocitiesOf(poses);
-  const degrees = (360 * poses.angle[bench]) / TURN, other = benches.nearest(bench);
+  const degrees = (360 * poses.angle[bench]) / TURN;
+  const other = benches.nearest(bench);
   return {
     bench,
-    part: bench === 0 ? localized("head") : bench === motion.benches - 1 ? localized("tail") : localized("body"),
+    part:
+      bench === 0
+        ? localized("head")
+        : bench === motion.benches - 1
+          ? localized("tail")
+          : localized("body"),
     velocity: velocities && velocities[bench],
     speed: velocities && Math.hypot(...velocities[bench]),
     angle: degrees - 360 * Math.ceil((degrees - 180) / 360),
@@ -46,8 +55,12 @@ function formatNumbers({ part, speed, angle, gap, nearest, error }) {
     part,
     speed: speed === null ? "–" : `${speed.toFixed(3)} m/s`,
     angle: `${angle.toFixed(1).replace("-", "−")}°`,
-    gap: gap === null ? "–" : gap <= 0 ? localized("touches {i}", { i: nearest })
-      : localized("{gap} to {i}", { gap: formatLength(gap, error), i: nearest }),
+    gap:
+      gap === null
+        ? "–"
+        : gap <= 0
+          ? localized("touches {i}", { i: nearest })
+          : localized("{gap} to {i}", { gap: formatLength(gap, error), i: nearest }),
   };
 }
 
@@ -57,8 +70,12 @@ function formatRate(rate) {
 }
 
 function describeTime(time, events) {
-  const now = events.filter((event) => event.kind === "contact"
-    ? event.time <= time && time <= event.end
-    : Math.abs(event.time - time) < NEAR_MISS_TIME);
-  return [`t = ${time.toFixed(2)} s`, ...now.slice(0, MAX_EVENTS).map((event) => event.text)].join(". ");
+  const now = events.filter((event) =>
+    event.kind === "contact"
+      ? event.time <= time && time <= event.end
+      : Math.abs(event.time - time) < NEAR_MISS_TIME,
+  );
+  return [`t = ${time.toFixed(2)} s`, ...now.slice(0, MAX_EVENTS).map((event) => event.text)].join(
+    ". ",
+  );
 }

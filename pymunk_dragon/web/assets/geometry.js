@@ -16,7 +16,8 @@ function posesFrom(count, poseOf) {
 // Poses of benches between their handles.
 function posesBetween(handles) {
   return posesFrom(handles.length - 1, (i) => {
-    const [fx, fy] = handles[i], [rx, ry] = handles[i + 1];
+    const [fx, fy] = handles[i];
+    const [rx, ry] = handles[i + 1];
     return [(fx + rx) / 2, (fy + ry) / 2, Math.atan2(fy - ry, fx - rx)];
   });
 }
@@ -30,30 +31,43 @@ class Benches {
   // Positions of the handles: handle i is the front hole of bench i, the last handle is the tail's rear hole.
   get handles() {
     const last = this.motion.benches - 1;
-    return (this.cachedHandles ??= range(0, last, last).map((i) => this.hole(i, 1)).concat([this.hole(last, -1)]));
+    return (this.cachedHandles ??= range(0, last, last)
+      .map((i) => this.hole(i, 1))
+      .concat([this.hole(last, -1)]));
   }
 
   // The front hole of bench `i`, or with the side -1 the rear one.
   hole(i, side) {
-    const { x, y, cos, sin } = this.poses, half = side * this.motion.spacings[i] / 2;
+    const { x, y, cos, sin } = this.poses;
+    const half = (side * this.motion.spacings[i]) / 2;
     return [x[i] + half * cos[i], y[i] + half * sin[i]];
   }
 
   // Corners: rear right, front right, front left, rear left.
   corners(i) {
     const { x, y, cos, sin } = this.poses;
-    const along = this.motion.lengths[i] / 2, across = this.motion.widths[i] / 2;
-    return [[-along, -across], [along, -across], [along, across], [-along, across]].map(
-      ([a, c]) => [x[i] + a * cos[i] - c * sin[i], y[i] + a * sin[i] + c * cos[i]]);
+    const along = this.motion.lengths[i] / 2;
+    const across = this.motion.widths[i] / 2;
+    return [
+      [-along, -across],
+      [along, -across],
+      [along, across],
+      [-along, across],
+    ].map(([a, c]) => [x[i] + a * cos[i] - c * sin[i], y[i] + a * sin[i] + c * cos[i]]);
   }
 
   // Point of bench `i` that is closest to a point, and the distance; 0 within the bench.
   nearestPoint(i, [px, py]) {
-    const { x, y, cos, sin } = this.poses, dx = px - x[i], dy = py - y[i];
-    const along = this.motion.lengths[i] / 2, across = this.motion.widths[i] / 2;
+    const { x, y, cos, sin } = this.poses;
+    const dx = px - x[i];
+    const dy = py - y[i];
+    const along = this.motion.lengths[i] / 2;
+    const across = this.motion.widths[i] / 2;
     // In the coordinates of the bench.
-    const ahead = dx * cos[i] + dy * sin[i], left = dy * cos[i] - dx * sin[i];
-    const a = Math.min(Math.max(ahead, -along), along), c = Math.min(Math.max(left, -across), across);
+    const ahead = dx * cos[i] + dy * sin[i];
+    const left = dy * cos[i] - dx * sin[i];
+    const a = Math.min(Math.max(ahead, -along), along);
+    const c = Math.min(Math.max(left, -across), across);
     return {
       distance: Math.sqrt((ahead - a) ** 2 + (left - c) ** 2),
       point: [x[i] + a * cos[i] - c * sin[i], y[i] + a * sin[i] + c * cos[i]],
@@ -62,12 +76,18 @@ class Benches {
 
   // Gaps between the shadows of two benches along and across the first, and the second; negative where they overlap.
   axisGaps(i, j) {
-    const { x, y, cos, sin } = this.poses, { lengths, widths } = this.motion, dx = x[j] - x[i], dy = y[j] - y[i];
-    const c = Math.abs(cos[i] * cos[j] + sin[i] * sin[j]), s = Math.abs(cos[i] * sin[j] - sin[i] * cos[j]);
+    const { x, y, cos, sin } = this.poses;
+    const { lengths, widths } = this.motion;
+    const dx = x[j] - x[i];
+    const dy = y[j] - y[i];
+    const c = Math.abs(cos[i] * cos[j] + sin[i] * sin[j]);
+    const s = Math.abs(cos[i] * sin[j] - sin[i] * cos[j]);
     const along = (own, other) =>
-      Math.abs(dx * cos[own] + dy * sin[own]) - (lengths[own] + c * lengths[other] + s * widths[other]) / 2;
+      Math.abs(dx * cos[own] + dy * sin[own]) -
+      (lengths[own] + c * lengths[other] + s * widths[other]) / 2;
     const across = (own, other) =>
-      Math.abs(dy * cos[own] - dx * sin[own]) - (widths[own] + s * lengths[other] + c * widths[other]) / 2;
+      Math.abs(dy * cos[own] - dx * sin[own]) -
+      (widths[own] + s * lengths[other] + c * widths[other]) / 2;
     return [along(i, j), across(i, j), along(j, i), across(j, i)];
   }
 
@@ -75,7 +95,10 @@ class Benches {
   // them. The gap of two that overlap is negative: the shortest way that parts them (separating axis theorem).
   gap(i, j) {
     let found = { gap: Infinity };
-    for (const [own, other] of [[i, j], [j, i]]) {
+    for (const [own, other] of [
+      [i, j],
+      [j, i],
+    ]) {
       for (const corner of this.corners(own)) {
         const { distance, point } = this.nearestPoint(other, corner);
         if (distance < found.gap) found = { gap: distance, ends: [corner, point] };
@@ -89,7 +112,8 @@ class Benches {
   // The bench closest to bench `i` among those that are not its neighbours, of the first `count`, with the gap; `found`
   // if that is a smaller one.
   nearest(i, found = null, count = this.motion.benches) {
-    const { x, y } = this.poses, { lengths, widths } = this.motion;
+    const { x, y } = this.poses;
+    const { lengths, widths } = this.motion;
     const reach = (k) => Math.sqrt(lengths[k] ** 2 + widths[k] ** 2) / 2;
     for (let j = 0; j < count; j++) {
       if (Math.abs(i - j) <= 1) continue;
@@ -111,17 +135,27 @@ class Benches {
   // Grid cells [row, column] that bench `i` touches or covers: rows count downward, columns to the right.
   cells(i, { cell, origin }) {
     const { x, y, cos, sin } = this.poses;
-    const u = (x[i] - origin[0]) / cell, v = (origin[1] - y[i]) / cell;
-    const along = this.motion.lengths[i] / 2 / cell, across = this.motion.widths[i] / 2 / cell;
-    const c = Math.abs(cos[i]), s = Math.abs(sin[i]);
-    const reachU = along * c + across * s + CELL_SLACK, reachV = along * s + across * c + CELL_SLACK;
+    const u = (x[i] - origin[0]) / cell;
+    const v = (origin[1] - y[i]) / cell;
+    const along = this.motion.lengths[i] / 2 / cell;
+    const across = this.motion.widths[i] / 2 / cell;
+    const c = Math.abs(cos[i]);
+    const s = Math.abs(sin[i]);
+    const reachU = along * c + across * s + CELL_SLACK;
+    const reachV = along * s + across * c + CELL_SLACK;
     const cells = [];
     for (let row = Math.floor(v - reachV); row <= Math.floor(v + reachV); row++) {
       for (let column = Math.floor(u - reachU); column <= Math.floor(u + reachU); column++) {
         // The ranges of rows and columns cover the cell's axes; the bench's axes remain to be tested.
-        const du = column + 0.5 - u, dv = row + 0.5 - v, half = (c + s) / 2 + CELL_SLACK;
-        if (Math.abs(du * cos[i] - dv * sin[i]) <= along + half
-          && Math.abs(du * sin[i] + dv * cos[i]) <= across + half) cells.push([row, column]);
+        const du = column + 0.5 - u;
+        const dv = row + 0.5 - v;
+        const half = (c + s) / 2 + CELL_SLACK;
+        if (
+          Math.abs(du * cos[i] - dv * sin[i]) <= along + half &&
+          Math.abs(du * sin[i] + dv * cos[i]) <= across + half
+        ) {
+          cells.push([row, column]);
+        }
       }
     }
     return cells;

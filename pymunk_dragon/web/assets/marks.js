@@ -43,8 +43,13 @@ function drawVelocities(painter, benches, visible) {
 
 // An arrow from a pixel along a vector in pixels.
 function addArrow(path, [px, py], dx, dy) {
-  const length = Math.hypot(dx, dy), head = Math.min(LONGEST_HEAD, 0.5 * length), half = 0.45 * head;
-  const qx = px + dx, qy = py + dy, ux = dx / length, uy = dy / length;
+  const length = Math.hypot(dx, dy);
+  const head = Math.min(LONGEST_HEAD, 0.5 * length);
+  const half = 0.45 * head;
+  const qx = px + dx;
+  const qy = py + dy;
+  const ux = dx / length;
+  const uy = dy / length;
   path.moveTo(px, py);
   path.lineTo(qx, qy);
   path.moveTo(qx - head * ux - half * uy, qy - head * uy + half * ux);
@@ -55,14 +60,21 @@ function addArrow(path, [px, py], dx, dy) {
 // Numbers in the benches.
 function drawNumbers(painter, benches, visible, inContact) {
   const { context, colours, motion, view } = painter;
-  const { x, y, angle } = benches.poses, thickness = motion.narrowest * view.scale;
+  const { x, y, angle } = benches.poses;
+  const thickness = motion.narrowest * view.scale;
   if (thickness < NUMBERED_BENCH) {
     painter.setFont("600 12px", "center", "middle");
     const labelled = [];
     for (const i of visible.toReversed()) {
       if (i % NUMBER_EVERY && i !== motion.benches - 1 && !inContact.has(i)) continue;
       const [px, py] = view.toScreen(x[i], y[i]);
-      if (labelled.some(([qx, qy]) => Math.abs(px - qx) < NUMBER_SIZE && Math.abs(py - qy) < NUMBER_SIZE / 2)) continue;
+      if (
+        labelled.some(
+          ([qx, qy]) => Math.abs(px - qx) < NUMBER_SIZE && Math.abs(py - qy) < NUMBER_SIZE / 2,
+        )
+      ) {
+        continue;
+      }
       labelled.push([px, py]);
       painter.drawText(String(i), px, py);
     }
@@ -77,7 +89,8 @@ function drawNumbers(painter, benches, visible, inContact) {
     if (turn <= -Math.PI / 2) turn += Math.PI;
     context.translate(px, py);
     context.rotate(turn);
-    context.fillStyle = inContact.has(i) || i === motion.benches - 1 ? colours.background : colours.ink;
+    context.fillStyle =
+      inContact.has(i) || i === motion.benches - 1 ? colours.background : colours.ink;
     context.fillText(String(i), 0, 0.04 * thickness);
     context.setTransform(upright);
   }
@@ -95,7 +108,10 @@ function drawContacts(painter, time, benches, touching) {
     const middle = [(one[0] + two[0]) / 2, (one[1] + two[1]) / 2];
     // The ring encloses both ends of the gap.
     drawRing(painter, middle, Math.hypot(one[0] - two[0], one[1] - two[1]) / 2);
-    const label = localized("{gap} at {time} s", { gap: formatLength(miss.gap, 0), time: miss.time.toFixed(2) });
+    const label = localized("{gap} at {time} s", {
+      gap: formatLength(miss.gap, 0),
+      time: miss.time.toFixed(2),
+    });
     drawLabel(painter, label, ...middle);
   }
 }
@@ -106,7 +122,9 @@ function drawLabel(painter, text, px, py) {
   painter.setFont("600 13px", "left", "middle");
   const { width } = context.measureText(text);
   const rightmost = view.width - ZOOM_BUTTONS - width;
-  const beside = [px + LABEL_OFFSET, px - LABEL_OFFSET - width].find((left) => left > 0 && left <= rightmost);
+  const beside = [px + LABEL_OFFSET, px - LABEL_OFFSET - width].find(
+    (left) => left > 0 && left <= rightmost,
+  );
   painter.drawText(text, beside ?? Math.max(0, rightmost), py - LABEL_OFFSET);
 }
 

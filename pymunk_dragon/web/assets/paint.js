@@ -38,19 +38,30 @@ class Painter {
   visible({ poses: { x, y } }) {
     const { view, motion } = this;
     const found = [];
-    for (let i = motion.benches - 1; i >= 0; i--) if (view.isVisible(x[i], y[i], motion.lengths[i])) found.push(i);
+    for (let i = motion.benches - 1; i >= 0; i--) {
+      if (view.isVisible(x[i], y[i], motion.lengths[i])) found.push(i);
+    }
     return found;
   }
 
   drawCurve() {
     const { context, view, curve } = this;
     // The error of a chord over n intervals is n^2 times that over one.
-    const stride = Math.max(1, Math.floor(Math.sqrt(CURVE_ERROR_SHOWN / (view.scale * this.curveError))));
-    const path = new Path2D(), last = curve.length / 2 - 1;
+    const stride = Math.max(
+      1,
+      Math.floor(Math.sqrt(CURVE_ERROR_SHOWN / (view.scale * this.curveError))),
+    );
+    const path = new Path2D();
+    const last = curve.length / 2 - 1;
     let drawn = null; // the point up to which the curve is drawn
     for (let from = 0; from < last; from += stride) {
       const to = Math.min(from + stride, last);
-      const [x, y, nextX, nextY] = [curve[2 * from], curve[2 * from + 1], curve[2 * to], curve[2 * to + 1]];
+      const [x, y, nextX, nextY] = [
+        curve[2 * from],
+        curve[2 * from + 1],
+        curve[2 * to],
+        curve[2 * to + 1],
+      ];
       if (!view.isVisible(x, y, Math.hypot(nextX - x, nextY - y))) continue;
       if (drawn !== from) path.moveTo(...view.toScreen(x, y));
       path.lineTo(...view.toScreen(nextX, nextY));
@@ -71,7 +82,10 @@ class Painter {
     const { context, colours, motion, view } = this;
     const tail = motion.benches - 1;
     const special = (i) => i === 0 || i === tail || inContact.has(i);
-    const thin = Math.min(Math.max(OUTLINE_WIDTH * motion.narrowest * view.scale, THINNEST_OUTLINE), THICKEST_OUTLINE);
+    const thin = Math.min(
+      Math.max(OUTLINE_WIDTH * motion.narrowest * view.scale, THINNEST_OUTLINE),
+      THICKEST_OUTLINE,
+    );
     const paint = (chosen, border = colours.ink, width = thin) => {
       if (!chosen.length) return;
       const path = new Path2D();
@@ -86,7 +100,7 @@ class Painter {
       if (i === 0 && inContact.has(0)) paint([0], colours.contact, HEAD_BORDER * thin);
       else paint([i]);
     }
-    const radius = this.payload.dragon.hole / 2 * view.scale;
+    const radius = (this.payload.dragon.hole / 2) * view.scale;
     if (2 * radius >= SMALLEST_HOLE) this.drawHoles(benches, visible, radius, colours.ink);
   }
 
@@ -111,13 +125,19 @@ class Painter {
     strokeTwice(context, path, colours.background, colours.text, 5, 2);
     context.fillStyle = this.colourOf(i, inContact);
     context.fill(path);
-    this.drawHoles(benches, [i], this.payload.dragon.hole / 2 * this.view.scale, colours.ink);
+    this.drawHoles(benches, [i], (this.payload.dragon.hole / 2) * this.view.scale, colours.ink);
   }
 
   // The head keeps its colour in contact, and gets a border in the colour of the contact.
   colourOf(i, inContact) {
     const { contact, head, tail, body } = this.colours;
-    return i === 0 ? head : inContact.has(i) ? contact : i === this.motion.benches - 1 ? tail : body;
+    return i === 0
+      ? head
+      : inContact.has(i)
+        ? contact
+        : i === this.motion.benches - 1
+          ? tail
+          : body;
   }
 
   setFont(font, textAlign, textBaseline) {

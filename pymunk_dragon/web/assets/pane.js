@@ -4,26 +4,43 @@ const CHART_MARGINS = { left: 52, right: 22, above: 26, below: 36 }; // pixels
 const TICKS_ACROSS = 80; // pixels: least distance of values along the axis
 
 // Names of the colours of the canvas, as in the films' `Palette`, and of further ones of the page.
-const CANVAS_COLOURS = ["background", "curve", "head", "body", "tail", "contact", "ink", "motion", "force", "grid"];
+const CANVAS_COLOURS = [
+  "background",
+  "curve",
+  "head",
+  "body",
+  "tail",
+  "contact",
+  "ink",
+  "motion",
+  "force",
+  "grid",
+];
 const PAGE_COLOURS = ["quiet", "rule", "any"];
 
 // The colours by name; `text` is that of the page's texts.
 function readColours() {
-  const { style } = document.body, names = [...CANVAS_COLOURS.map((name) => `canvas-${name}`), ...PAGE_COLOURS, "ink"];
+  const { style } = document.body;
+  const names = [...CANVAS_COLOURS.map((name) => `canvas-${name}`), ...PAGE_COLOURS, "ink"];
   const values = names.map((name) => {
     // A colour for each scheme is resolved where it is used.
     style.color = `var(--${name})`;
     return getComputedStyle(document.body).color;
   });
   style.color = "";
-  return Object.fromEntries([...CANVAS_COLOURS, ...PAGE_COLOURS, "text"].map((name, k) => [name, values[k]]));
+  return Object.fromEntries(
+    [...CANVAS_COLOURS, ...PAGE_COLOURS, "text"].map((name, k) => [name, values[k]]),
+  );
 }
 
 // Match a canvas to the pixels of the screen; returns its size in those of the page, in which one draws then.
 function fitCanvas(canvas, context) {
-  const { width, height } = canvas.getBoundingClientRect(), ratio = window.devicePixelRatio || 1;
+  const { width, height } = canvas.getBoundingClientRect();
+  const ratio = window.devicePixelRatio || 1;
   const [wide, high] = [width, height].map((size) => Math.max(1, Math.round(size * ratio)));
-  if (canvas.width !== wide || canvas.height !== high) Object.assign(canvas, { width: wide, height: high });
+  if (canvas.width !== wide || canvas.height !== high) {
+    Object.assign(canvas, { width: wide, height: high });
+  }
   context.setTransform(ratio, 0, 0, ratio, 0, 0);
   return { width: Math.max(1, width), height: Math.max(1, height) };
 }
@@ -38,16 +55,43 @@ class Pane {
 
   // Axes of a chart with the ranges `across` and `up`; what is drawn next is clipped to them. `tick` writes a value,
   // and those of the vertical axis are at least `apart` pixels apart. Only a chart with a name has values below it.
-  axes({ across: [x0, x1], up: [y0, y1], name, tick = signed, apart = 32, margins = CHART_MARGINS }) {
+  axes({
+    across: [x0, x1],
+    up: [y0, y1],
+    name,
+    tick = signed,
+    apart = 32,
+    margins = CHART_MARGINS,
+  }) {
     const { left, right, above, below } = margins;
-    const wide = this.width - left - right, high = this.height - above - below;
-    Object.assign(this, { x0, y0: y1, sx: wide / (x1 - x0), sy: high / (y1 - y0), left, ceiling: this.top + above });
+    const wide = this.width - left - right;
+    const high = this.height - above - below;
+    Object.assign(this, {
+      x0,
+      y0: y1,
+      sx: wide / (x1 - x0),
+      sy: high / (y1 - y0),
+      left,
+      ceiling: this.top + above,
+    });
     for (const x of name ? ticks(x0, x1, this.sx / TICKS_ACROSS) : []) {
-      this.line([[x, y0], [x, y1]], { colour: "rule" });
+      this.line(
+        [
+          [x, y0],
+          [x, y1],
+        ],
+        { colour: "rule" },
+      );
       this.text([x, y0], tick(x), { dy: 15, colour: "quiet" });
     }
     for (const y of ticks(y0, y1, this.sy / apart)) {
-      this.line([[x0, y], [x1, y]], { colour: "rule" });
+      this.line(
+        [
+          [x0, y],
+          [x1, y],
+        ],
+        { colour: "rule" },
+      );
       this.text([x0, y], tick(y), { dx: -8, align: "right", colour: "quiet" });
     }
     if (name) this.text([x0, y1], name, { dx: -44, dy: -14, align: "left" });
@@ -73,7 +117,8 @@ class Pane {
     const path = new Path2D();
     let next = "moveTo";
     for (const point of points) {
-      const [px, py] = this.toScreen(point), valid = Number.isFinite(px + py);
+      const [px, py] = this.toScreen(point);
+      const valid = Number.isFinite(px + py);
       if (valid) path[next](px, py);
       next = valid ? "lineTo" : "moveTo";
     }
@@ -100,16 +145,29 @@ class Pane {
     const { context } = this;
     context.beginPath();
     context.arc(...this.toScreen(point), radius, 0, TURN);
-    Object.assign(context, { fillStyle: this.colour(colour), strokeStyle: this.colour("background"), lineWidth: 1 });
+    Object.assign(context, {
+      fillStyle: this.colour(colour),
+      strokeStyle: this.colour("background"),
+      lineWidth: 1,
+    });
     context.fill();
     context.stroke();
   }
 
   // A text with a rim, moved by pixels.
   text(point, text, { dx = 0, dy = 0, align = "center", colour = "text" } = {}) {
-    const { context } = this, [px, py] = this.toScreen(point);
-    Object.assign(context, { font: `${this.size}px ${this.look.font}`, textAlign: align, textBaseline: "middle" });
-    Object.assign(context, { strokeStyle: this.colour("background"), fillStyle: this.colour(colour), lineWidth: 4 });
+    const { context } = this;
+    const [px, py] = this.toScreen(point);
+    Object.assign(context, {
+      font: `${this.size}px ${this.look.font}`,
+      textAlign: align,
+      textBaseline: "middle",
+    });
+    Object.assign(context, {
+      strokeStyle: this.colour("background"),
+      fillStyle: this.colour(colour),
+      lineWidth: 4,
+    });
     context.strokeText(text, px + dx, py + dy);
     context.fillText(text, px + dx, py + dy);
   }
@@ -117,6 +175,8 @@ class Pane {
 
 // Round numbers between two limits, not more than `density` for each 1.
 function ticks(first, last, density) {
-  const step = roundUp(1 / density), from = Math.ceil(first / step - 1e-9), to = Math.floor(last / step + 1e-9);
+  const step = roundUp(1 / density);
+  const from = Math.ceil(first / step - 1e-9);
+  const to = Math.floor(last / step + 1e-9);
   return range(from, to, to - from).map((each) => Number((each * step).toPrecision(12)));
 }

@@ -12,9 +12,14 @@ function pixelOf(canvas, { clientX, clientY }) {
 
 // `taken` returns whether a pointer that goes down takes hold of something; its movements are then `carried` instead of
 // panning the view, until it is `dropped`.
-function listenToPointers(canvas, view, { moved, hovered, tapped, taken = () => false, carried, dropped }) {
+function listenToPointers(
+  canvas,
+  view,
+  { moved, hovered, tapped, taken = () => false, carried, dropped },
+) {
   const down = new Map();
-  let slipped = false, holds = false;
+  let slipped = false;
+  let holds = false;
   const drop = () => {
     if (holds) dropped();
     holds = false;
@@ -71,11 +76,15 @@ function listenToPointers(canvas, view, { moved, hovered, tapped, taken = () => 
 }
 
 function listenToWheel(canvas, view, moved) {
-  canvas.addEventListener("wheel", (event) => {
-    event.preventDefault();
-    const delta = event.deltaY * (event.deltaMode === WheelEvent.DOM_DELTA_LINE ? WHEEL_LINE : 1);
-    // Browsers report pinching on a touchpad as wheel events with Ctrl, in small steps.
-    view.zoom(Math.exp(-delta * WHEEL_ZOOM * (event.ctrlKey ? 5 : 1)), ...pixelOf(canvas, event));
-    moved("zoom");
-  }, { passive: false });
+  canvas.addEventListener(
+    "wheel",
+    (event) => {
+      event.preventDefault();
+      const delta = event.deltaY * (event.deltaMode === WheelEvent.DOM_DELTA_LINE ? WHEEL_LINE : 1);
+      // Browsers report pinching on a touchpad as wheel events with Ctrl, in small steps.
+      view.zoom(Math.exp(-delta * WHEEL_ZOOM * (event.ctrlKey ? 5 : 1)), ...pixelOf(canvas, event));
+      moved("zoom");
+    },
+    { passive: false },
+  );
 }

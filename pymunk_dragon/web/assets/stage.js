@@ -78,15 +78,18 @@ function connectStage(stage, { buttons, keys, pointers, takes }) {
       stage.afterChange();
     });
   }
-  listenToKeys({
-    ...keysOfElements(),
-    "=": actions["zoom-in"], // the key of "+" without shift
-    w: () => stage.pan(0, -1),
-    a: () => stage.pan(-1, 0),
-    s: () => stage.pan(0, 1),
-    d: () => stage.pan(1, 0),
-    ...keys,
-  }, takes);
+  listenToKeys(
+    {
+      ...keysOfElements(),
+      "=": actions["zoom-in"], // the key of "+" without shift
+      w: () => stage.pan(0, -1),
+      a: () => stage.pan(-1, 0),
+      s: () => stage.pan(0, 1),
+      d: () => stage.pan(1, 0),
+      ...keys,
+    },
+    takes,
+  );
   listenToPointers(element("field"), stage.view, {
     moved: (how) => stage.viewMoved(how),
     hovered(pixel) {
@@ -105,12 +108,20 @@ function connectStage(stage, { buttons, keys, pointers, takes }) {
 // Keys that click an element, unless it is hidden.
 function keysOfElements() {
   const click = (each) => () => each.checkVisibility() && each.click();
-  return Object.fromEntries(withKeys().map(([each, key]) => [key === "Space" ? " " : key.toLowerCase(), click(each)]));
+  return Object.fromEntries(
+    withKeys().map(([each, key]) => [key === "Space" ? " " : key.toLowerCase(), click(each)]),
+  );
 }
 
 function listenToKeys(actions, takes = () => false) {
   let tabbed = false; // Whether a key has moved the focus, and not the pointer.
-  document.addEventListener("pointerdown", () => { tabbed = false; }, true);
+  document.addEventListener(
+    "pointerdown",
+    () => {
+      tabbed = false;
+    },
+    true,
+  );
   document.addEventListener("keydown", (event) => {
     if (event.key === "Tab") tabbed = true;
     const key = event.key.toLowerCase();
@@ -131,14 +142,25 @@ function listenToKeys(actions, takes = () => false) {
 // Keys that an element uses itself. The space bar is that of an element which a key has reached, and not a click.
 function keepsKey(target, key, tabbed) {
   if (target.matches("input[type=number]")) return true;
-  if (key === " ") return tabbed && target.matches("button, select, summary, input:not([type=range], [type=radio])");
+  if (key === " ") {
+    return (
+      tabbed && target.matches("button, select, summary, input:not([type=range], [type=radio])")
+    );
+  }
   if (key === "enter") return target !== element("field");
-  if (target.matches("input[type=range]")) return target.id !== "time" && /^(arrow|page|home|end)/.test(key);
-  return target.matches("select") || (target.matches("input[type=radio]") && key.startsWith("arrow"));
+  if (target.matches("input[type=range]")) {
+    return target.id !== "time" && /^(arrow|page|home|end)/.test(key);
+  }
+  return (
+    target.matches("select") || (target.matches("input[type=radio]") && key.startsWith("arrow"))
+  );
 }
 
 // Show why a page does not work.
 function showFailure({ message }) {
   element("failure").hidden = false;
-  setText("failure", localized("The page cannot start: {message}. A newer browser may help.", { message }));
+  setText(
+    "failure",
+    localized("The page cannot start: {message}. A newer browser may help.", { message }),
+  );
 }

@@ -12,7 +12,8 @@ let language = "en";
 // A text in the page's language, if the catalogue has it.
 const translated = (english) => CATALOGUES[language][english] ?? english;
 
-const fill = (template, values) => template.replace(/\{(\w+)\}/g, (field, name) => values[name] ?? field);
+const fill = (template, values) =>
+  template.replace(/\{(\w+)\}/g, (field, name) => values[name] ?? field);
 
 // The same of a text of the scripts, with values for its {fields}.
 const localized = (english, values = {}) => fill(translated(english), values);
@@ -32,24 +33,41 @@ const chosenLanguage = () => languageIn(location.hash) ?? DEFAULT_LANGUAGE;
 function* textElements(parent) {
   for (const child of parent.children) {
     if (child.matches(UNTRANSLATED)) continue;
-    if ([...child.childNodes].some((node) => node instanceof Text && HAS_LETTERS.test(node.data))) yield child;
-    else yield* textElements(child);
+    if ([...child.childNodes].some((node) => node instanceof Text && HAS_LETTERS.test(node.data))) {
+      yield child;
+    } else yield* textElements(child);
   }
 }
 
 // Elements that a key clicks, with the key.
 const withKeys = () =>
-  [...document.querySelectorAll("[aria-keyshortcuts]")].map((each) => [each, each.getAttribute("aria-keyshortcuts")]);
+  [...document.querySelectorAll("[aria-keyshortcuts]")].map((each) => [
+    each,
+    each.getAttribute("aria-keyshortcuts"),
+  ]);
 
 for (const [each] of withKeys()) each.title ||= each.ariaLabel ?? each.textContent;
 
 // The page's own texts in English, with what sets each of them.
 const STATIC_TEXTS = [
-  [document.title, (text) => { document.title = text; }],
-  ...Array.from(textElements(document.body), (found) =>
-    [found.innerHTML.replace(/\s+/g, " ").trim(), (text) => { found.innerHTML = text; }]),
-  ...TRANSLATED_ATTRIBUTES.flatMap((name) => Array.from(document.querySelectorAll(`[${name}]`), (found) =>
-    [found.getAttribute(name), (text) => found.setAttribute(name, text)])),
+  [
+    document.title,
+    (text) => {
+      document.title = text;
+    },
+  ],
+  ...Array.from(textElements(document.body), (found) => [
+    found.innerHTML.replace(/\s+/g, " ").trim(),
+    (text) => {
+      found.innerHTML = text;
+    },
+  ]),
+  ...TRANSLATED_ATTRIBUTES.flatMap((name) =>
+    Array.from(document.querySelectorAll(`[${name}]`), (found) => [
+      found.getAttribute(name),
+      (text) => found.setAttribute(name, text),
+    ]),
+  ),
 ];
 
 // Texts that scripts write follow from the next drawing.
@@ -64,14 +82,23 @@ function setLanguage(name) {
 
 // Hints name the keys, and the help lists them.
 function showKeys() {
-  element("keys").replaceChildren(...withKeys().map(([each, key]) => {
-    const sign = keySign(key), what = each.title;
-    each.title = `${what} (${sign})`;
-    return created("div", {}, created("dt", {}, created("kbd", {}, sign)), created("dd", {}, what));
-  }));
+  element("keys").replaceChildren(
+    ...withKeys().map(([each, key]) => {
+      const sign = keySign(key);
+      const what = each.title;
+      each.title = `${what} (${sign})`;
+      return created(
+        "div",
+        {},
+        created("dt", {}, created("kbd", {}, sign)),
+        created("dd", {}, what),
+      );
+    }),
+  );
 }
 
-const keySign = (key) => (key === "Space" || key === " " ? localized("space") : KEY_SIGNS[key] ?? key);
+const keySign = (key) =>
+  key === "Space" || key === " " ? localized("space") : (KEY_SIGNS[key] ?? key);
 
 const otherLanguage = () => Object.keys(CATALOGUES).find((each) => each !== language);
 

@@ -22,7 +22,8 @@ class View {
   }
 
   get fittingScale() {
-    const [width, height] = this.field.size, high = this.height - this.top - this.bottom;
+    const [width, height] = this.field.size;
+    const high = this.height - this.top - this.bottom;
     return (1 - 2 * BORDER) * Math.min((this.width - this.right) / width, high / height);
   }
 
@@ -36,22 +37,31 @@ class View {
   }
 
   bounded(scale) {
-    return Math.min(Math.max(scale, SMALLEST * Math.min(this.fittingScale, this.maxScale)), this.maxScale);
+    return Math.min(
+      Math.max(scale, SMALLEST * Math.min(this.fittingScale, this.maxScale)),
+      this.maxScale,
+    );
   }
 
   fit() {
     [this.x, this.y] = this.field.centre;
     this.scale = Math.min(this.fittingScale, this.maxScale);
     this.x += this.right / 2 / this.scale;
-    this.y += this.up * (this.top - this.bottom) / 2 / this.scale;
+    this.y += (this.up * (this.top - this.bottom)) / 2 / this.scale;
   }
 
   toScreen(x, y) {
-    return [(x - this.x) * this.scale + this.width / 2, (this.y - y) * this.up * this.scale + this.height / 2];
+    return [
+      (x - this.x) * this.scale + this.width / 2,
+      (this.y - y) * this.up * this.scale + this.height / 2,
+    ];
   }
 
   toWorld(px, py) {
-    return [this.x + (px - this.width / 2) / this.scale, this.y - this.up * (py - this.height / 2) / this.scale];
+    return [
+      this.x + (px - this.width / 2) / this.scale,
+      this.y - (this.up * (py - this.height / 2)) / this.scale,
+    ];
   }
 
   // Zoom around a pixel.
@@ -66,14 +76,17 @@ class View {
   // Move the view by pixels, within the size of the field around its centre.
   pan(dx, dy) {
     const { centre, size } = this.field;
-    const within = (value, axis) => Math.min(Math.max(value, centre[axis] - size[axis]), centre[axis] + size[axis]);
+    const within = (value, axis) =>
+      Math.min(Math.max(value, centre[axis] - size[axis]), centre[axis] + size[axis]);
     this.x = within(this.x - dx / this.scale, 0);
-    this.y = within(this.y + this.up * dy / this.scale, 1);
+    this.y = within(this.y + (this.up * dy) / this.scale, 1);
   }
 
   // Whether any point within `reach` m of a point is visible.
   isVisible(x, y, reach) {
-    return Math.abs(x - this.x) <= this.width / 2 / this.scale + reach
-      && Math.abs(y - this.y) <= this.height / 2 / this.scale + reach;
+    return (
+      Math.abs(x - this.x) <= this.width / 2 / this.scale + reach &&
+      Math.abs(y - this.y) <= this.height / 2 / this.scale + reach
+    );
   }
 }

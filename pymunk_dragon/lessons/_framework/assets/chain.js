@@ -7,8 +7,11 @@ const STEP_TOLERANCE = 1e-8;
 // Cells between two points of a drawn path, and nodes and weights of the integral of the length in a cell.
 const CELLS = 8;
 const GAUSS = [
-  [0, 0.5688888888888889], [-0.5384693101056831, 0.47862867049936647], [0.5384693101056831, 0.47862867049936647],
-  [-0.906179845938664, 0.23692688505618908], [0.906179845938664, 0.23692688505618908],
+  [0, 0.5688888888888889],
+  [-0.5384693101056831, 0.47862867049936647],
+  [0.5384693101056831, 0.47862867049936647],
+  [-0.906179845938664, 0.23692688505618908],
+  [0.906179845938664, 0.23692688505618908],
 ];
 const ROOT_TOLERANCE = 1e-12; // m or s: width of an interval in which a root is found
 const GOLDEN = (Math.sqrt(5) - 1) / 2; // ratio of the golden section
@@ -21,7 +24,7 @@ class Spiral {
 
   atAngle(theta) {
     const rise = Math.sqrt(theta * theta + 1);
-    return -this.k / 2 * (theta * rise + Math.log(theta + rise));
+    return (-this.k / 2) * (theta * rise + Math.log(theta + rise));
   }
 
   atRadius(radius) {
@@ -31,10 +34,11 @@ class Spiral {
   // Polar angle, counted from the centre: Newton's method from the asymptotic form. The last one is known.
   angle(s) {
     if (s === this.known[0]) return this.known[1];
-    const target = -2 * s / this.k;
+    const target = (-2 * s) / this.k;
     let theta = target > 8 ? Math.sqrt(target - 0.5 - Math.log(4 * target) / 2) : target / 2;
     for (let pass = 0; pass < 20; pass++) {
-      const rise = Math.sqrt(theta * theta + 1), step = (theta * rise + Math.log(theta + rise) - target) / (2 * rise);
+      const rise = Math.sqrt(theta * theta + 1);
+      const step = (theta * rise + Math.log(theta + rise) - target) / (2 * rise);
       theta = Math.max(theta - step, 0);
       // The error that is left is the square of the step over twice the angle.
       if (Math.abs(step) <= 1e-7 * theta) break;
@@ -46,11 +50,15 @@ class Spiral {
   // Coordinate of the first point behind `s` at the straight distance `chord`, if it is within half a turn, in which
   // the distance grows all the time; otherwise NaN. Newton's method for the angle between both, from about `guess` m.
   behind(s, chord, guess = chord) {
-    const { k } = this, theta = this.angle(s), square = (chord / k) ** 2;
+    const { k } = this;
+    const theta = this.angle(s);
+    const square = (chord / k) ** 2;
     if (chord > k * (2 * theta + Math.PI)) return NaN;
-    let turn = Math.min(Math.sqrt(theta * theta + 2 * guess / k) - theta, Math.PI);
+    let turn = Math.min(Math.sqrt(theta * theta + (2 * guess) / k) - theta, Math.PI);
     for (let pass = 0; pass < 60; pass++) {
-      const sin = Math.sin(turn / 2), cos = Math.cos(turn / 2), far = theta + turn;
+      const sin = Math.sin(turn / 2);
+      const cos = Math.cos(turn / 2);
+      const far = theta + turn;
       const off = turn * turn + 4 * theta * far * sin * sin - square;
       const step = off / (2 * turn + 4 * theta * sin * (sin + far * cos));
       turn = bounded(turn - step, 0, Math.PI);
@@ -61,8 +69,11 @@ class Spiral {
   }
 
   frame(s) {
-    const theta = this.angle(s), radius = this.k * theta, rise = -Math.sqrt(theta * theta + 1);
-    const cos = Math.cos(theta), sin = Math.sin(theta);
+    const theta = this.angle(s);
+    const radius = this.k * theta;
+    const rise = -Math.sqrt(theta * theta + 1);
+    const cos = Math.cos(theta);
+    const sin = Math.sin(theta);
     return [radius * cos, radius * sin, (cos - theta * sin) / rise, (sin + theta * cos) / rise];
   }
 }
@@ -70,13 +81,20 @@ class Spiral {
 // In on a spiral, round inside a circle on two arcs whose radii have a ratio, and out; s is 0 at the entry.
 class UTurn {
   constructor({ pitch = 1.7, radius = 4.5, ratio = 2 } = {}) {
-    const theta = TURN * radius / pitch, aside = Math.atan(theta), heading = theta - Math.PI + aside;
+    const theta = (TURN * radius) / pitch;
+    const aside = Math.atan(theta);
+    const heading = theta - Math.PI + aside;
     // Each arc's chord is twice its radius times the sine of half its angle; together they are the diameter.
-    const radii = [ratio, 1].map((share) => radius / Math.sin(aside) * share / (1 + ratio));
-    this.points = [1, (1 - ratio) / (1 + ratio), -1].map((share) =>
-      [share * radius * Math.cos(theta), share * radius * Math.sin(theta)]);
+    const radii = [ratio, 1].map((share) => ((radius / Math.sin(aside)) * share) / (1 + ratio));
+    this.points = [1, (1 - ratio) / (1 + ratio), -1].map((share) => [
+      share * radius * Math.cos(theta),
+      share * radius * Math.sin(theta),
+    ]);
     const arc = ([x, y], r, side, angle) => ({
-      centre: [x - side * r * Math.sin(heading), y + side * r * Math.cos(heading)], radius: r, side, angle,
+      centre: [x - side * r * Math.sin(heading), y + side * r * Math.cos(heading)],
+      radius: r,
+      side,
+      angle,
     });
     this.arcs = [
       arc(this.points[0], radii[0], -1, heading + Math.PI / 2),
@@ -99,7 +117,8 @@ class UTurn {
   }
 
   onArc({ centre, radius, side, angle }, s) {
-    const cos = Math.cos(angle + side * s / radius), sin = Math.sin(angle + side * s / radius);
+    const cos = Math.cos(angle + (side * s) / radius);
+    const sin = Math.sin(angle + (side * s) / radius);
     return [centre[0] + radius * cos, centre[1] + radius * sin, -side * sin, side * cos];
   }
 }
@@ -108,10 +127,17 @@ class UTurn {
 // the length of the chords, and only nearly the arc length: `length` and `atLength` convert.
 class DrawnPath {
   constructor(points) {
-    const chords = points.slice(1).map(([x, y], i) => Math.hypot(x - points[i][0], y - points[i][1]));
+    const chords = points
+      .slice(1)
+      .map(([x, y], i) => Math.hypot(x - points[i][0], y - points[i][1]));
     this.knots = [0];
     for (const chord of chords) this.knots.push(this.knots.at(-1) + chord);
-    this.cubics = [0, 1].map((axis) => splineCubics(points.map((point) => point[axis]), chords));
+    this.cubics = [0, 1].map((axis) =>
+      splineCubics(
+        points.map((point) => point[axis]),
+        chords,
+      ),
+    );
     [this.begin, this.end] = [0, this.knots.at(-1)];
     // The lengths up to the knots.
     this.lengths = [0];
@@ -127,20 +153,26 @@ class DrawnPath {
 
   // Position and derivative, as x, y, and x and y, with the cubic of a piece.
   motion(s, i = this.piece(s)) {
-    const w = s - this.knots[i], [a, b, c, d] = this.cubics[0][i], [e, f, g, h] = this.cubics[1][i];
+    const w = s - this.knots[i];
+    const [a, b, c, d] = this.cubics[0][i];
+    const [e, f, g, h] = this.cubics[1][i];
     return [
-      a + w * (b + w * (c + w * d)), e + w * (f + w * (g + w * h)),
-      b + w * (2 * c + 3 * w * d), f + w * (2 * g + 3 * w * h),
+      a + w * (b + w * (c + w * d)),
+      e + w * (f + w * (g + w * h)),
+      b + w * (2 * c + 3 * w * d),
+      f + w * (2 * g + 3 * w * h),
     ];
   }
 
   frame(s) {
-    const [x, y, dx, dy] = this.motion(s), speed = Math.sqrt(dx * dx + dy * dy);
+    const [x, y, dx, dy] = this.motion(s);
+    const speed = Math.sqrt(dx * dx + dy * dy);
     return [x, y, dx / speed, dy / speed];
   }
 
   length(s) {
-    const i = Math.min(this.piece(s), this.lengths.length - 1), half = (s - this.knots[i]) / 2 / CELLS;
+    const i = Math.min(this.piece(s), this.lengths.length - 1);
+    const half = (s - this.knots[i]) / 2 / CELLS;
     let sum = this.lengths[i];
     for (let cell = 0; cell < CELLS; cell++) {
       const middle = this.knots[i] + (2 * cell + 1) * half;
@@ -160,11 +192,16 @@ class DrawnPath {
 // Coefficients of a cubic spline between knots that are `h` apart, by powers of the distance from the knot before: its
 // slopes solve a tridiagonal system (C. de Boor, A Practical Guide to Splines, chapter IV).
 function splineCubics(values, h) {
-  const n = values.length, rise = h.map((each, i) => (values[i + 1] - values[i]) / each);
+  const n = values.length;
+  const rise = h.map((each, i) => (values[i + 1] - values[i]) / each);
   const [p, q, a, b] = [h[0], h[1], h[n - 3], h[n - 2]];
   // Rows: the factors of the slopes before, at, and after a knot, and the right side.
-  const rows = values.map((_, i) =>
-    [h[i], 2 * (h[i - 1] + h[i]), h[i - 1], 3 * (h[i] * rise[i - 1] + h[i - 1] * rise[i])]);
+  const rows = values.map((_, i) => [
+    h[i],
+    2 * (h[i - 1] + h[i]),
+    h[i - 1],
+    3 * (h[i] * rise[i - 1] + h[i - 1] * rise[i]),
+  ]);
   rows[0] = [0, q, p + q, ((3 * p + 2 * q) * q * rise[0] + p ** 2 * rise[1]) / (p + q)];
   rows[n - 1] = [a + b, a, 0, (b ** 2 * rise[n - 3] + (2 * a + 3 * b) * a * rise[n - 2]) / (a + b)];
   for (let i = 1; i < n; i++) {
@@ -173,16 +210,28 @@ function splineCubics(values, h) {
     rows[i][3] -= share * rows[i - 1][3];
   }
   const slopes = [];
-  for (let i = n - 1; i >= 0; i--) slopes[i] = (rows[i][3] - rows[i][2] * (slopes[i + 1] ?? 0)) / rows[i][1];
+  for (let i = n - 1; i >= 0; i--) {
+    slopes[i] = (rows[i][3] - rows[i][2] * (slopes[i + 1] ?? 0)) / rows[i][1];
+  }
   return h.map((each, i) => [
-    values[i], slopes[i], (3 * rise[i] - 2 * slopes[i] - slopes[i + 1]) / each,
+    values[i],
+    slopes[i],
+    (3 * rise[i] - 2 * slopes[i] - slopes[i + 1]) / each,
     (slopes[i] + slopes[i + 1] - 2 * rise[i]) / each ** 2,
   ]);
 }
 
 // Benches as geometry.js takes them; by default the contest's dragon.
-function makeDragon({ benches = 223, head = 2.86, body = 1.65, overhang = 0.275, width = 0.3 } = {}) {
-  const spacings = Array.from({ length: benches }, (_, i) => (i === 0 ? head : body[i - 1] ?? body));
+function makeDragon({
+  benches = 223,
+  head = 2.86,
+  body = 1.65,
+  overhang = 0.275,
+  width = 0.3,
+} = {}) {
+  const spacings = Array.from({ length: benches }, (_, i) =>
+    i === 0 ? head : (body[i - 1] ?? body),
+  );
   const widths = spacings.map((_, i) => width[i] ?? width);
   return { benches, spacings, widths, lengths: spacings.map((spacing) => spacing + 2 * overhang) };
 }
@@ -193,14 +242,18 @@ function makeDragon({ benches = 223, head = 2.86, body = 1.65, overhang = 0.275,
 function neighbour(curve, s, chord, way = -1, guess = chord) {
   const found = way < 0 ? curve.behind?.(s, chord, guess) : NaN;
   if (found < s) return found;
-  const [x, y] = curve.frame(s), room = way < 0 ? s - curve.begin : curve.end - s;
-  let distance, growth;
+  const [x, y] = curve.frame(s);
+  const room = way < 0 ? s - curve.begin : curve.end - s;
+  let distance;
+  let growth;
   const evaluate = (offset) => {
     const [px, py, tx, ty] = curve.frame(s + way * offset);
     distance = Math.sqrt((px - x) ** 2 + (py - y) ** 2);
-    growth = way * ((px - x) * tx + (py - y) * ty) / distance;
+    growth = (way * ((px - x) * tx + (py - y) * ty)) / distance;
   };
-  let low = 0, high = Math.min(chord, room), offset = high;
+  let low = 0;
+  let high = Math.min(chord, room);
+  let offset = high;
   for (evaluate(high); distance < chord; evaluate(high)) {
     if (high === room || !(growth > 0)) return NaN;
     const next = high + SEARCH_STEP * chord;
@@ -208,7 +261,8 @@ function neighbour(curve, s, chord, way = -1, guess = chord) {
     offset = high;
   }
   for (let pass = 0; pass < 60; pass++) {
-    const newton = offset + (chord - distance) / growth, trusted = newton >= low && newton <= high;
+    const newton = offset + (chord - distance) / growth;
+    const trusted = newton >= low && newton <= high;
     const step = trusted ? newton - offset : (low + high) / 2 - offset;
     offset += step;
     if (Math.abs(step) <= (trusted ? STEP_TOLERANCE : Number.EPSILON) * chord) break;
@@ -223,14 +277,18 @@ function neighbour(curve, s, chord, way = -1, guess = chord) {
 function chainAt(curve, { benches, spacings }, head, count = benches + 1) {
   const chain = { s: [head], points: [curve.frame(head)], ratios: [1] };
   for (let i = 1; i < count; i++) {
-    const chord = spacings[i - 1], guess = i > 1 ? (chain.s[i - 2] - chain.s[i - 1]) * chord / spacings[i - 2] : chord;
+    const chord = spacings[i - 1];
+    const guess = i > 1 ? ((chain.s[i - 2] - chain.s[i - 1]) * chord) / spacings[i - 2] : chord;
     const s = neighbour(curve, chain.s[i - 1], chord, -1, guess);
     if (Number.isNaN(s)) break;
-    const [fx, fy, ux, uy] = chain.points[i - 1], [x, y, tx, ty] = curve.frame(s);
+    const [fx, fy, ux, uy] = chain.points[i - 1];
+    const [x, y, tx, ty] = curve.frame(s);
     chain.s.push(s);
     chain.points.push([x, y, tx, ty]);
     // Both handles of a rigid bench are equally fast along it.
-    chain.ratios.push(chain.ratios[i - 1] * ((fx - x) * ux + (fy - y) * uy) / ((fx - x) * tx + (fy - y) * ty));
+    chain.ratios.push(
+      (chain.ratios[i - 1] * ((fx - x) * ux + (fy - y) * uy)) / ((fx - x) * tx + (fy - y) * ty),
+    );
   }
   return chain;
 }
@@ -270,7 +328,9 @@ class March {
 
 // Pairs of benches, other than neighbours, that share a cell of a grid, and the number of entries in cells.
 function gridPairs(benches, grid) {
-  const cells = new Map(), pairs = new Set(), count = benches.motion.benches;
+  const cells = new Map();
+  const pairs = new Set();
+  const count = benches.motion.benches;
   let entries = 0;
   for (let i = 0; i < count; i++) {
     for (const cell of benches.cells(i, grid)) {
@@ -281,7 +341,11 @@ function gridPairs(benches, grid) {
       entries++;
     }
   }
-  return { cells, entries, pairs: Array.from(pairs, (code) => [Math.floor(code / count), code % count]) };
+  return {
+    cells,
+    entries,
+    pairs: Array.from(pairs, (code) => [Math.floor(code / count), code % count]),
+  };
 }
 
 // A root of a function between `before`, where it is positive, and `after`, where it is not, by bisection.
@@ -297,7 +361,8 @@ function rootBetween(f, before, after) {
 // Where a function is smallest between two arguments, if it has one minimum there.
 function minimumBetween(f, a, b) {
   for (let pass = 0; pass < 36; pass++) {
-    const c = b - GOLDEN * (b - a), d = a + GOLDEN * (b - a);
+    const c = b - GOLDEN * (b - a);
+    const d = a + GOLDEN * (b - a);
     if (f(c) < f(d)) b = d;
     else a = c;
   }
@@ -315,7 +380,8 @@ function firstContact(gap, begin, end, step, near) {
   let [before, last, at] = [Infinity, gap(begin), begin];
   if (last <= 0) return begin;
   while (at < end) {
-    const next = Math.min(at + step, end), here = gap(next);
+    const next = Math.min(at + step, end);
+    const here = gap(next);
     if (before > last && last < here && last < near) {
       const least = minimumBetween(gap, at - step, next);
       if (gap(least) <= 0) return rootBetween(gap, at - step, least);

@@ -65,7 +65,8 @@ class Lab {
       row.button = created("button", { type: "button", className: "play" });
       row.button.addEventListener("click", () => {
         row.plays = !row.plays;
-        row.exact = Number(input.value) < Number(input.max) ? Number(input.value) : Number(input.min);
+        row.exact =
+          Number(input.value) < Number(input.max) ? Number(input.value) : Number(input.min);
         this.changed();
       });
       div.append(row.button);
@@ -73,12 +74,16 @@ class Lab {
     this.rows.push(row);
     this.controls.append(div);
     return {
-      get value() { return Number(input.value); },
+      get value() {
+        return Number(input.value);
+      },
       set value(given) {
         input.value = given;
         row.plays = false;
       },
-      set max(given) { input.max = given; },
+      set max(given) {
+        input.max = given;
+      },
     };
   }
 
@@ -104,7 +109,8 @@ class Lab {
     knob.addEventListener("keydown", (event) => {
       if (!ARROWS[event.key]) return;
       event.preventDefault();
-      const [x, y] = at(), [dx, dy] = ARROWS[event.key].map((part) => (event.shiftKey ? 10 * part : part));
+      const [x, y] = at();
+      const [dx, dy] = ARROWS[event.key].map((part) => (event.shiftKey ? 10 * part : part));
       change([x + step * dx, y + step * dy], dx + dy);
     });
     this.knobs.push({ knob, label, pane, at });
@@ -135,7 +141,8 @@ class Lab {
   paint(now) {
     this.play(Math.min((now - this.painted) / 1000, LONGEST_FRAME));
     this.painted = now;
-    const { canvas, context } = this, { width, height } = fitCanvas(canvas, context);
+    const { canvas, context } = this;
+    const { width, height } = fitCanvas(canvas, context);
     Object.assign(context, { fillStyle: this.colours.background, lineJoin: "round" });
     context.fillRect(0, 0, width, height);
     this.update?.();
@@ -177,7 +184,11 @@ class Lab {
     // A screen reader does not read what changes with every picture.
     write(this.output, "ariaLive", this.rows.some(({ plays }) => plays) ? "off" : "polite");
     // No line ends between a number and its unit.
-    write(this.output, "textContent", this.say(this.readout()).replace(/(?<=\d) (?=\p{L})/gu, "\u00a0"));
+    write(
+      this.output,
+      "textContent",
+      this.say(this.readout()).replace(/(?<=\d) (?=\p{L})/gu, "\u00a0"),
+    );
   }
 }
 
@@ -190,15 +201,24 @@ class StagePane extends Pane {
   }
 
   paint(top, width, height) {
-    const { context, look: lab } = this, { x, y, size, wide = size, ...chart } = this.view();
+    const { context, look: lab } = this;
+    const { x, y, size, wide = size, ...chart } = this.view();
     Object.assign(this, { top, width, height });
     context.save();
     context.beginPath();
     context.rect(0, top, width, height);
     context.clip();
     const scale = Math.min(width / wide, height / size);
-    if (size) Object.assign(this, { x0: x, y0: y, sx: scale, sy: scale, left: width / 2, ceiling: top + height / 2 });
-    else this.axes({ ...chart, name: lab.say(chart.name) });
+    if (size) {
+      Object.assign(this, {
+        x0: x,
+        y0: y,
+        sx: scale,
+        sy: scale,
+        left: width / 2,
+        ceiling: top + height / 2,
+      });
+    } else this.axes({ ...chart, name: lab.say(chart.name) });
     this.draw(this);
     context.restore();
   }
@@ -220,7 +240,8 @@ class StagePane extends Pane {
 }
 
 // 1, 2, 5, 10 and so on by their place, and for negative places 0.5, 0.2, 0.1.
-const roundNumber = (place) => Number(`${[1, 2, 5][((place % 3) + 3) % 3]}e${Math.floor(place / 3)}`);
+const roundNumber = (place) =>
+  Number(`${[1, 2, 5][((place % 3) + 3) % 3]}e${Math.floor(place / 3)}`);
 
 const roundSeconds = (place) => `${roundNumber(place)} s`;
 
@@ -228,11 +249,16 @@ const magnification = (exponent) => `× ${(10 ** exponent).toFixed(0)}`;
 
 // Points of a curve between two coordinates, and of a circle.
 function curvePoints(curve, from, to, step = 0.1) {
-  return range(from, to, Math.max(Math.ceil((to - from) / step), 1)).map((s) => curve.frame(s).slice(0, 2));
+  return range(from, to, Math.max(Math.ceil((to - from) / step), 1)).map((s) =>
+    curve.frame(s).slice(0, 2),
+  );
 }
 
 function circlePoints([x, y], radius) {
-  return range(0, TURN, 180).map((angle) => [x + radius * Math.cos(angle), y + radius * Math.sin(angle)]);
+  return range(0, TURN, 180).map((angle) => [
+    x + radius * Math.cos(angle),
+    y + radius * Math.sin(angle),
+  ]);
 }
 
 // The coordinate of a curve between two others that is closest to a point.
@@ -246,21 +272,45 @@ function nearestOn(curve, [x, y], from, to) {
 // `benchesAt(t, handles)` are the benches; `draw` adds to the chart, as up to `now.seen`, the latest time so far.
 function gapPanes(lab, { time, size, benchesAt, view, draw }) {
   const now = { seen: -Infinity };
-  now.update = () => Object.assign(now, benchesAt(time.value, 14).nearest(0), { seen: Math.max(now.seen, time.value) });
-  lab.pane(0.5, () => ({ x: now.ends[0][0], y: now.ends[0][1], size: size() }), (pane) => {
-    const hit = now.gap <= 0 ? now.bench : 0;
-    pane.benches(benchesAt(time.value, 61), (i) => (i === 0 ? "head" : i === hit ? "contact" : "body"));
-    pane.line(now.ends, { colour: "contact", width: 2 });
-  });
+  now.update = () =>
+    Object.assign(now, benchesAt(time.value, 14).nearest(0), {
+      seen: Math.max(now.seen, time.value),
+    });
+  lab.pane(
+    0.5,
+    () => ({ x: now.ends[0][0], y: now.ends[0][1], size: size() }),
+    (pane) => {
+      const hit = now.gap <= 0 ? now.bench : 0;
+      pane.benches(benchesAt(time.value, 61), (i) =>
+        i === 0 ? "head" : i === hit ? "contact" : "body",
+      );
+      pane.line(now.ends, { colour: "contact", width: 2 });
+    },
+  );
   const chart = lab.pane(0.5, view, (pane) => {
-    const { across: [from, to], up: [bottom, top] } = view(), zero = bounded(0, bottom, top);
-    pane.fill([[from, zero], [to, zero], [to, bottom], [from, bottom]], { colour: "contact", alpha: 0.15 });
+    const {
+      across: [from, to],
+      up: [bottom, top],
+    } = view();
+    const zero = bounded(0, bottom, top);
+    pane.fill(
+      [
+        [from, zero],
+        [to, zero],
+        [to, bottom],
+        [from, bottom],
+      ],
+      { colour: "contact", alpha: 0.15 },
+    );
     draw(pane);
   });
   lab.knob(["The time: drag it along the chart", "时间：沿图表拖动"], {
-    pane: chart, step: 0.01,
+    pane: chart,
+    step: 0.01,
     at: () => [time.value, bounded(1000 * now.gap, ...view().up)],
-    moved: ([t]) => { time.value = t; },
+    moved: ([t]) => {
+      time.value = t;
+    },
   });
   return now;
 }

@@ -16,11 +16,19 @@ for (const button of buttons) {
   button.addEventListener("click", () => {
     speak(button.value);
     // Other parts stay, as the token of a live server.
-    const others = location.search.slice(1).split("&").filter((part) => part && !languages.includes(part));
+    const others = location.search
+      .slice(1)
+      .split("&")
+      .filter((part) => part && !languages.includes(part));
     rememberAddress(`?${[...others, button.value].join("&")}${location.hash}`);
   });
 }
-speak(location.search.slice(1).split("&").find((part) => languages.includes(part)) ?? root.lang);
+speak(
+  location.search
+    .slice(1)
+    .split("&")
+    .find((part) => languages.includes(part)) ?? root.lang,
+);
 
 // The live scene of a stage, where a live server has this page. One is open, as all belong to one session; a button
 // opens another one again.
@@ -32,7 +40,9 @@ function openScene(stage) {
   const address = () => `live${location.search}#stage=${stage.dataset.live}&lang=${root.lang}`;
   frame.title = stage.closest(".lesson").querySelector("h2").textContent.trim();
   frame.src = address();
-  document.addEventListener("languagechange", () => { frame.src = address(); });
+  document.addEventListener("languagechange", () => {
+    frame.src = address();
+  });
   stage.replaceChildren(frame);
 }
 
@@ -74,7 +84,9 @@ for (const lesson of document.querySelectorAll(".lesson")) {
     for (const [i, result] of [...lesson.querySelectorAll(".result")].entries()) {
       const chosen = fieldsets[i].querySelector("input:checked");
       const words = chosen?.parentElement.querySelectorAll("span[lang]") ?? [];
-      result.querySelector(".mine").replaceChildren(...chosen ? [...words].map((each) => each.cloneNode(true)) : ["–"]);
+      result
+        .querySelector(".mine")
+        .replaceChildren(...(chosen ? [...words].map((each) => each.cloneNode(true)) : ["–"]));
       for (const [choice, item] of [...result.querySelectorAll("li")].entries()) {
         item.classList.toggle("chosen", Number(chosen?.value ?? -1) === choice);
       }
