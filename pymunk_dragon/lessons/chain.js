@@ -1,4 +1,5 @@
-// Drag the next handle round handle 0, on the circle of a bench: where on the spiral does it belong?
+// Drag the next handle round handle 0, on the circle of a bench:
+// where on the spiral does it belong?
 stages.chain = (lab) => {
   const snap = 0.05; // m: a handle so close to a point of the spiral is put on it
   const time = lab.slider(["time", "时间"], {

@@ -1,7 +1,7 @@
 // The size of the cells, and a bench to pick: which benches share a cell with it?
 stages.grid = (lab) => {
-  const contact = 412.473837;
-  const corner = 8.8; // s: the head meets bench 8; m: upper left corner of the grid
+  const contact = 412.473837; // s: the head meets bench 8
+  const corner = 8.8; // m: upper left corner of the grid
   const cell = lab.slider(["size of a cell", "格子的边长"], {
     min: 0.1,
     max: 4,
@@ -37,7 +37,8 @@ stages.grid = (lab) => {
     (pane) => {
       const side = cell.value;
       for (const [row, column] of benches.cells(picked, grid)) {
-        const [x, y] = [column * side - corner, corner - row * side];
+        const x = column * side - corner;
+        const y = corner - row * side;
         pane.fill(
           [
             [x, y],
@@ -77,9 +78,12 @@ stages.grid = (lab) => {
     const all = ((count.value - 1) * (count.value - 2)) / 2;
     const { pairs, entries } = filed;
     const own = Math.max(partners.size - 1, 0);
+    const shared = pairs.length;
     return [
-      `${pairs.length} of ${all} pairs share a cell; ${entries} entries in cells. Bench ${picked}: ${own} to test.`,
-      `${all} 对板凳中有 ${pairs.length} 对同在一格；共登记 ${entries} 次。${picked} 号板凳：要检测 ${own} 节。`,
+      `${shared} of ${all} pairs share a cell; ${entries} entries in cells. ` +
+        `Bench ${picked}: ${own} to test.`,
+      `${all} 对板凳中有 ${shared} 对同在一格；共登记 ${entries} 次。` +
+        `${picked} 号板凳：要检测 ${own} 节。`,
     ];
   };
 };

@@ -1,6 +1,7 @@
 // The step between samples and the width of the benches: which contact falls between two samples?
 stages["missed-window"] = (lab) => {
-  const [begin, end] = [405, 413]; // s
+  const begin = 405; // s
+  const end = 413; // s
   const step = lab.slider(["a sample every", "采样间隔"], {
     min: -9,
     max: 1,
@@ -29,9 +30,10 @@ stages["missed-window"] = (lab) => {
 
   const gap = (t) => march.gap(t);
   // Points of the chart at the multiples of a step.
-  const points = (step, [from, to]) => {
-    const [first, last] = [Math.ceil(from / step), Math.floor(to / step)];
-    return range(first, last, last - first).map((k) => [k * step, 1000 * gap(k * step)]);
+  const points = (apart, [from, to]) => {
+    const first = Math.ceil(from / apart);
+    const last = Math.floor(to / apart);
+    return range(first, last, last - first).map((k) => [k * apart, 1000 * gap(k * apart)]);
   };
   const view = () => {
     const scale = 10 ** zoom.value;
@@ -101,12 +103,12 @@ stages["missed-window"] = (lab) => {
               `Missed: bench ${missed.bench}, touched for ${long} s.`,
               `漏掉了与 ${missed.bench} 号板凳的接触，历时 ${long} s。`,
             ];
-    const [at, size] = [time.value, 1000 * now.gap].map((value) =>
-      value.toFixed(3).replace("-", "−"),
-    );
+    const at = time.value.toFixed(3);
+    const apart = (1000 * now.gap).toFixed(3).replace("-", "−");
+    const { bench } = found;
     return [
-      `${at} s: gap ${size} mm. The samples find the head in bench ${found.bench} at ${t} s. ${english}`,
-      `${at} s：空隙 ${size} mm。采样发现龙头在 ${t} s 与 ${found.bench} 号板凳重叠。${chinese}`,
+      `${at} s: gap ${apart} mm. The samples find the head in bench ${bench} at ${t} s. ${english}`,
+      `${at} s：空隙 ${apart} mm。采样发现龙头在 ${t} s 与 ${bench} 号板凳重叠。${chinese}`,
     ];
   };
 };

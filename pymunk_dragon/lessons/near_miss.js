@@ -1,6 +1,8 @@
 // Time, zoom, and decimals of the coordinates: does the head hit bench 11?
 stages["near-miss"] = (lab) => {
-  const [begin, end, exact] = [405, 412.6, 6]; // s; decimals from which on coordinates are not cut
+  const begin = 405; // s
+  const end = 412.6; // s
+  const exact = 6; // decimals from which on coordinates are not cut
   const time = lab.slider(["time", "时间"], {
     min: begin,
     max: end,
@@ -64,7 +66,8 @@ stages["near-miss"] = (lab) => {
   ];
   lab.update = () => {
     if (cutTo !== decimals.value) {
-      [cutTo, scale] = [decimals.value, 10 ** decimals.value];
+      cutTo = decimals.value;
+      scale = 10 ** cutTo;
       gaps = range(begin, end, 760).map((t) => [t, 1000 * benchesAt(t, 14).nearest(0).gap]);
     }
     now.update();

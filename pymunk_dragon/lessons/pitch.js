@@ -1,7 +1,7 @@
 // Make the pitch smaller until the dragon just gets in; and what do samples say?
 stages.pitch = (lab) => {
-  const radius = 4.5;
-  const last = 20; // m; s in which samples are taken
+  const radius = 4.5; // m
+  const last = 20; // s in which samples are taken
   const coarse = lab.slider(["pitch", "螺距"], {
     min: 310,
     max: 600,
@@ -83,7 +83,8 @@ stages.pitch = (lab) => {
     },
   });
   lab.readout = () => {
-    const [all, seen] = [exact, sampled].map((each) => (1000 * each).toFixed(3));
+    const all = (1000 * exact).toFixed(3);
+    const seen = (1000 * sampled).toFixed(3);
     const { spiral, begin } = march;
     const away = (spiral.k * spiral.angle(begin + stop)).toFixed(3);
     const bench = stop && march.passed(stop, 30).bench;

@@ -1,9 +1,9 @@
 // Draw a path, or drag its points: does the arm follow its tip to the end?
 stages.robot = (lab) => {
-  const speed = 0.2;
-  const clear = 1e-9; // m/s; m from the path's begin to the base
-  const apart = 0.13;
-  const most = 50; // m between drawn points, and how many are kept
+  const speed = 0.2; // m/s
+  const clear = 1e-9; // m from the path's begin to the base
+  const apart = 0.13; // m between drawn points
+  const most = 50; // drawn points that are kept
   const arm = makeDragon({
     benches: 16,
     head: 0.14,
@@ -47,8 +47,8 @@ stages.robot = (lab) => {
   let chain;
   let tooShort = false;
 
-  // The arm with its tip at a coordinate: the smallest gap between two links, and which. It is -1 where a joint has no
-  // place on the path, or would go back.
+  // The arm with its tip at a coordinate: the smallest gap between two links, and which. It is -1
+  // where a joint has no place on the path, or would go back.
   const closest = (s) => {
     const { points: joints, ratios } = chainAt(path, arm, s);
     if (ratios.length <= arm.benches || !ratios.every((ratio) => ratio > 0)) {
@@ -64,7 +64,8 @@ stages.robot = (lab) => {
   };
   const follow = () => {
     path = new DrawnPath(points);
-    // All of the arm is on the path at the start: each joint is the next one ahead of that behind it.
+    // All of the arm is on the path at the start: each
+    // joint is the next one ahead of that behind it.
     begin = arm.spacings.reduceRight((s, spacing) => neighbour(path, s, spacing, 1), clear);
     if (Number.isNaN(begin)) return;
     stop = firstContact((s) => closest(s).gap, begin, path.end, 0.02, 0.01);
@@ -105,7 +106,10 @@ stages.robot = (lab) => {
       if (Math.hypot(x - kept.at(-1)[0], y - kept.at(-1)[1]) >= apart) kept.push([x, y]);
     }
     tooShort = ended && kept.length < 4;
-    if (ended && !tooShort) [points, path, time.value] = [kept.slice(0, most), null, 0];
+    if (!ended || tooShort) return;
+    points = kept.slice(0, most);
+    path = null;
+    time.value = 0;
   });
   for (let i = 0; i < most; i++) {
     lab.knob([`Point ${i + 1} of the path: drag it`, `路线的第 ${i + 1} 个点：拖动`], {
@@ -113,7 +117,9 @@ stages.robot = (lab) => {
       step: 0.02,
       at: () => points[i] ?? [NaN, NaN],
       moved: (point) => {
-        [points[i], path, tooShort] = [point, null, false];
+        points[i] = point;
+        path = null;
+        tooShort = false;
       },
     });
   }
@@ -126,7 +132,8 @@ stages.robot = (lab) => {
     }
     const speeds = chain.ratios.map((each) => speed * Math.abs(each));
     const at = total.toFixed(3);
-    const [low, high] = [Math.min(...speeds), Math.max(...speeds)].map((each) => each.toFixed(3));
+    const low = Math.min(...speeds).toFixed(3);
+    const high = Math.max(...speeds).toFixed(3);
     const [english, chinese] =
       time.value < total
         ? ["", ""]

@@ -1,10 +1,10 @@
 // Drag and turn two benches: is there light between their shadows on any wall?
 stages.sat = (lab) => {
-  const near = 2.3;
-  const apart = 0.28;
-  const half = 2.2; // m from the centre to the walls, between them, half their lengths
-  const farthest = 1.2;
-  const hole = 0.825; // m from the centre to the benches', and from there to their holes
+  const near = 2.3; // m from the centre to the nearest wall
+  const apart = 0.28; // m between parallel walls
+  const half = 2.2; // m: half the length of a wall
+  const farthest = 1.2; // m: most from the centre to that of a bench
+  const hole = 0.825; // m from the centre of a bench to its holes
   const count = lab.slider(["walls", "墙的面数"], { min: 1, max: 5, step: 1, value: 1 });
   const poses = [
     [-0.8, -0.45, 0],
@@ -14,9 +14,11 @@ stages.sat = (lab) => {
   let benches;
   let walls;
 
-  // A wall along an angle, on its left or right side: the shadows of both benches on it, and the light between them.
+  // A wall along an angle, on its left or right side: the shadows of both benches on it,
+  // and the light between them.
   const wall = (angle, side, distance) => {
-    const [cos, sin] = [Math.cos(angle), Math.sin(angle)];
+    const cos = Math.cos(angle);
+    const sin = Math.sin(angle);
     const shadows = [0, 1].map((i) => {
       const seen = benches.corners(i).map(([x, y]) => x * cos + y * sin);
       return [Math.min(...seen), Math.max(...seen)];
@@ -103,7 +105,8 @@ stages.sat = (lab) => {
     const n = lights.length;
     const all = count.value;
     const distance = benches.gap(0, 1).gap;
-    const [size, most] = [Math.abs(distance), Math.max(...lights)].map((each) => each.toFixed(3));
+    const size = Math.abs(distance).toFixed(3);
+    const most = Math.max(...lights).toFixed(3);
     const lit =
       n === 0
         ? [`Walls with light: none of ${all}.`, `${all} 面墙上都没有光。`]

@@ -1,8 +1,9 @@
 // The way through the turn, and the speed of the head: who reaches the limit?
 stages["speed-limit"] = (lab) => {
-  const limit = 2;
-  const [from, until] = [-1, 24];
-  const followed = 12; // m/s; m; handles of the chart: no later one is faster
+  const limit = 2; // m/s
+  const from = -1; // m
+  const until = 24; // m
+  const followed = 12; // handles of the chart: no later one is faster
   const way = lab.slider(["way of the head", "龙头的路程"], {
     min: from,
     max: until,
@@ -45,7 +46,8 @@ stages["speed-limit"] = (lab) => {
   ];
   lab.update = () => {
     if (shown !== ratio.value) {
-      [shown, curve] = [ratio.value, new UTurn({ ratio: ratio.value })];
+      shown = ratio.value;
+      curve = new UTurn({ ratio: shown });
       points = curvePoints(curve, -60, 74);
       profile = range(from, until, 500).map((s) => [s, largest(s)]);
       [peak] = smallestOf(profile, ([, times]) => -times);
@@ -105,7 +107,8 @@ stages["speed-limit"] = (lab) => {
     const top = seen < peak ? "–" : show(most * speed.value);
     const times = (speeds[fastest] / speed.value).toFixed(3);
     return [
-      `The fastest now: handle ${fastest}, ${now}, ${times} times the head's speed. In the whole turn: ${top}.`,
+      `The fastest now: handle ${fastest}, ${now}, ${times} times the head's speed. ` +
+        `In the whole turn: ${top}.`,
       `此刻最快的是 ${fastest} 号把手：${now}，是龙头的 ${times} 倍。整个调头过程中最快：${top}。`,
     ];
   };

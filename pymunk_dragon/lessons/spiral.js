@@ -1,4 +1,5 @@
-// Drag the head along the spiral, and see in which angle five seconds of its walk appear from the centre.
+// Drag the head along the spiral, and see in which angle
+// five seconds of its walk appear from the centre.
 stages.spiral = (lab) => {
   const piece = 5; // s of the head's walk that are marked
   const pitch = lab.slider(["pitch", "螺距"], {
@@ -31,8 +32,9 @@ stages.spiral = (lab) => {
   lab.update = () => {
     if (spiral?.k !== pitch.value / TURN) {
       spiral = new Spiral(pitch.value);
+      begin = spiral.atRadius(8.8);
       // The head bench still fits on the innermost turn.
-      [begin, end] = [8.8, 1.5].map((radius) => spiral.atRadius(radius));
+      end = spiral.atRadius(1.5);
       points = curvePoints(spiral, begin - 55, 0);
       marks = curvePoints(spiral, begin, end, piece);
       time.max = Math.floor(end - begin);
@@ -66,13 +68,12 @@ stages.spiral = (lab) => {
     const [x, y, tx, ty] = spiral.frame(head);
     const away = Math.hypot(x, y);
     const turning = (y * tx - x * ty) / away ** 2;
-    const [radius, rate, round] = [
-      away.toFixed(2),
-      turning.toFixed(3),
-      (TURN / turning).toFixed(1),
-    ];
+    const radius = away.toFixed(2);
+    const rate = turning.toFixed(3);
+    const round = (TURN / turning).toFixed(1);
     return [
-      `The head walks at 1 m/s, ${radius} m from you. You turn at ${rate} rad/s: a round in ${round} s.`,
+      `The head walks at 1 m/s, ${radius} m from you. ` +
+        `You turn at ${rate} rad/s: a round in ${round} s.`,
       `龙头以 1 m/s 前进，离你 ${radius} m。你以 ${rate} rad/s 转身：转一圈要 ${round} s。`,
     ];
   };

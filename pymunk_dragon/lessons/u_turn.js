@@ -1,7 +1,7 @@
 // Drag the point where both arcs meet: who leaves the circle first, the contest's dragon or yours?
 stages["u-turn"] = (lab) => {
-  const radius = 4.5;
-  const farthest = 2 / 3; // m; share of it up to which the point may be dragged
+  const radius = 4.5; // m
+  const farthest = 2 / 3; // share of the radius up to which the point may be dragged
   const time = lab.slider(["time", "时间"], {
     min: -5,
     max: 20,

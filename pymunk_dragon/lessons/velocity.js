@@ -8,8 +8,11 @@ stages.velocity = (lab) => {
     unit: "s",
     play: () => 10,
   });
-  const show = (exponent, unit = Math.ceil(-exponent / 3)) =>
-    `${Number((10 ** (exponent + 3 * unit)).toPrecision(2))} ${["s", "ms", "µs", "ns", "ps"][unit]}`;
+  const units = ["s", "ms", "µs", "ns", "ps"];
+  const show = (exponent) => {
+    const unit = Math.ceil(-exponent / 3);
+    return `${Number((10 ** (exponent + 3 * unit)).toPrecision(2))} ${units[unit]}`;
+  };
   const step = lab.slider(["time step", "时间步长"], {
     min: -10,
     max: 0,
@@ -43,7 +46,10 @@ stages.velocity = (lab) => {
         return Math.abs((spiral.k * Math.hypot(theta, 1) * turned) / length - speeds[i]);
       }),
     );
-    if (triedAt !== time.value) [tried, triedAt] = [new Map(), time.value];
+    if (triedAt !== time.value) {
+      tried = new Map();
+      triedAt = time.value;
+    }
     tried.set(step.value, Math.log10(error));
   };
   lab.pane(
@@ -84,14 +90,16 @@ stages.velocity = (lab) => {
     },
   });
   lab.readout = () => {
-    const [tail, slower] = [1000 * speeds.at(-1), 1000 - 1000 * speeds.at(-1)].map((speed) =>
-      speed.toFixed(3),
-    );
+    const tail = 1000 * speeds.at(-1);
+    const last = tail.toFixed(3);
+    const slower = (1000 - tail).toFixed(3);
     const length = show(step.value);
     const wrong = error.toExponential(1).replace(/e(.*)/, (_, power) => `·${tick(power)}`);
     return [
-      `The tail: ${tail} mm/s, ${slower} mm/s slower than the head. From positions ${length} apart: ${wrong} m/s off.`,
-      `龙尾 ${tail} mm/s，比龙头慢 ${slower} mm/s。由相隔 ${length} 的两个位置求得：误差 ${wrong} m/s。`,
+      `The tail: ${last} mm/s, ${slower} mm/s slower than the head. ` +
+        `From positions ${length} apart: ${wrong} m/s off.`,
+      `龙尾 ${last} mm/s，比龙头慢 ${slower} mm/s。` +
+        `由相隔 ${length} 的两个位置求得：误差 ${wrong} m/s。`,
     ];
   };
 };

@@ -1,4 +1,5 @@
-// The name itself first, also in words, then guides, then modules, classes and functions, and attributes last.
+// The name itself first, also in words, then guides, then modules, classes and functions,
+// and attributes last.
 {
   const found = window.pdocSearch;
   const place = ({ qualname = "", kind, modulename }, name) =>

@@ -5,7 +5,7 @@ const WHOLE_TIMELINE = 1e-9; // times: so little is the whole run
 const TOUCH_SLIP = 12; // pixels: largest distance of a touch from the bench that it selects
 
 function connect(player) {
-  const { motion, view, timeline } = player;
+  const { view, timeline } = player;
   connectFields(player);
   connectStage(player, {
     buttons: buttonsOf(player),
@@ -71,8 +71,8 @@ function writeLists({ events, motion }) {
     "precision",
     localized(
       "Positions are stored to within {error} μm in {frames} frames; between two frames," +
-        " benches move on cubic polynomials of time that match the positions and velocities of both. Numbers are shown" +
-        " with the digits that are certain.",
+        " benches move on cubic polynomials of time that match the positions and velocities of" +
+        " both. Numbers are shown with the digits that are certain.",
       { error: Number((1e6 * motion.positionError).toPrecision(2)), frames: motion.times.length },
     ),
   );

@@ -1,4 +1,5 @@
-// The exact model's handles: offsets from those of the run, in the frames in which the model has a state.
+// The exact model's handles: offsets from those of the run,
+// in the frames in which the model has a state.
 
 const MAGNIFIED_BELOW = 1; // pixels: the ghost of a smaller error is magnified ...
 const MAGNIFIED_TO = 3; // pixels: ... to at least this, and to
@@ -10,7 +11,8 @@ class Exact {
     Object.assign(this, { motion, offsets, resolution: offsets.step / Math.SQRT2 });
   }
 
-  // Offsets in m of all handles at a time, x0, y0, x1, y1, ..., linear between frames; null if unknown.
+  // Offsets in m of all handles at a time, x0, y0, x1, y1, ..., linear between frames;
+  // null if unknown.
   offsetsAt(time) {
     const { before, after, share } = this.motion.between(time);
     const last = share > 0 ? after : before;
@@ -29,7 +31,8 @@ class Exact {
     return lengths.slice(1).map((length, i) => Math.max(lengths[i], length));
   }
 
-  // Poses of the exact benches beside `benches` at `time`, with their distances from these magnified; null if unknown.
+  // Poses of the exact benches beside `benches` at `time`,
+  // with their distances from these magnified; null if unknown.
   posesBeside(benches, time, magnification = 1) {
     const offsets = this.offsetsAt(time);
     if (!offsets) return null;
@@ -42,7 +45,8 @@ class Exact {
   }
 }
 
-// The factor 1, 2 or 5 times a power of ten by which an error is magnified, in a view with benches of a width; pixels.
+// The factor 1, 2 or 5 times a power of ten by which an error is magnified,
+// in a view with benches of a width; pixels.
 function magnificationOf(error, width) {
   if (error >= MAGNIFIED_BELOW || error === 0) return 1;
   return roundUp(Math.max(MAGNIFIED_TO, MAGNIFIED_SHARE * width) / error);

@@ -1,4 +1,5 @@
-// The part of the address after "#": time and view, for example #t=409.8&follow=head&show=grid,labels
+// The part of the address after "#": time and view,
+// for example #t=409.8&follow=head&show=grid,labels
 
 const LINK_DIGITS = 6; // decimals of times and positions
 const SPAN_DIGITS = 4; // significant digits of spans

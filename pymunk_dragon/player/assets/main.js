@@ -18,7 +18,8 @@ async function start() {
   return publicPlayer(player);
 }
 
-// For pages that hold this one in a frame: `frame.contentWindow.dragon.then((player) => player.seek(409.8))`.
+// For pages that hold this one in a frame:
+// `frame.contentWindow.dragon.then((player) => player.seek(409.8))`.
 function publicPlayer(player) {
   const { motion, view } = player;
   const rows = (poses) => poses?.x.map((x, i) => [x, poses.y[i], poses.angle[i]]) ?? null;
@@ -57,4 +58,4 @@ function publicPlayer(player) {
 }
 
 globalThis.dragon = start();
-dragon.catch(showFailure);
+globalThis.dragon.catch(showFailure);

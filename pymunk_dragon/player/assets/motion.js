@@ -1,13 +1,15 @@
 // Poses of the benches, velocities of the handles and benches in contact at any time.
 
-const LINK_TOLERANCE = 1e-6; // s: a contact is shown this much before it begins, as times in links are rounded
-const CACHED_FRAMES = 8; // slow motion needs the two frames around a time and their neighbours in every picture
+// s: a contact is shown this much before it begins, as times in links are rounded.
+const LINK_TOLERANCE = 1e-6;
+// Slow motion needs the two frames around a time and their neighbours in every picture.
+const CACHED_FRAMES = 8;
 
 // The same angle from -pi to pi.
 const normalizeAngle = (angle) => angle - TURN * Math.floor((angle + Math.PI) / TURN);
 
-// Pose of bench `i` and its rate of change on the cubic Hermite polynomial between two frames `interval` s apart.
-// Angles change by at most half a turn.
+// Pose of bench `i` and its rate of change on the cubic Hermite polynomial between two frames
+// `interval` s apart. Angles change by at most half a turn.
 function hermite(one, two, interval, share, i) {
   const left = 1 - share;
   const value = (from, step, v0, v1) =>
@@ -55,7 +57,8 @@ class Motion {
     this.cache = new Map();
   }
 
-  // The area that the benches cover during the run: the handles, and the ends of benches beyond them.
+  // The area that the benches cover during the run: the handles,
+  // and the ends of benches beyond them.
   get field() {
     const { counts, origin, step } = this.packed;
     const low = [Infinity, Infinity];
@@ -74,8 +77,8 @@ class Motion {
     };
   }
 
-  // Poses of one frame and their rates of change: a bench's centre is midway between its holes, and its direction is
-  // from the rear hole to the front hole.
+  // Poses of one frame and their rates of change: a bench's centre is midway between its holes, and
+  // its direction is from the rear hole to the front hole.
   frameMotion(frame) {
     const cached = this.cache.get(frame);
     if (cached) return cached;
@@ -103,7 +106,8 @@ class Motion {
     return motion;
   }
 
-  // The two frames around a time, the interval between them in s, and the fraction of it that has passed.
+  // The two frames around a time, the interval between them in s,
+  // and the fraction of it that has passed.
   between(time) {
     const last = this.times.length - 1;
     const found = this.times.findIndex((each) => each >= time);
@@ -114,9 +118,10 @@ class Motion {
     return { before, after, interval, share };
   }
 
-  // Estimated error of a bench's position, m: rounding of the packed positions and velocities, and the error of the
-  // cubic between two frames. The latter is proportional to the fourth derivative, which is estimated from the distance
-  // between the cubic over two intervals and the frame between them. Infinity if there is no such frame.
+  // Estimated error of a bench's position, m: rounding of the packed positions and velocities, and
+  // the error of the cubic between two frames. The latter is proportional to the fourth derivative,
+  // which is estimated from the distance between the cubic over two intervals and the frame between
+  // them. Infinity if there is no such frame.
   errorAt(time, bench) {
     const { before, after, interval, share } = this.between(time);
     const known = (this.positionError * this.lengths[bench]) / this.spacings[bench];
@@ -132,9 +137,9 @@ class Motion {
     const one = this.times[frame] - this.times[frame - 1];
     const two = this.times[frame + 1] - this.times[frame];
     if (!(one > 0 && two > 0)) return -1;
-    const [before, here, after] = [frame - 1, frame, frame + 1].map((each) =>
-      this.frameMotion(each),
-    );
+    const before = this.frameMotion(frame - 1);
+    const here = this.frameMotion(frame);
+    const after = this.frameMotion(frame + 1);
     const cubic = hermite(before, after, one + two, one / (one + two), bench);
     const off =
       Math.hypot(cubic.x - here.x[bench], cubic.y - here.y[bench]) +
@@ -142,7 +147,8 @@ class Motion {
     return off / (one * two) ** 2;
   }
 
-  // Poses at any time and their rates of change: between frames, cubic Hermite polynomials, as in `Run.poses_at`.
+  // Poses at any time and their rates of change: between frames, cubic Hermite polynomials,
+  // as in `Run.poses_at`.
   posesAt(time) {
     const { before, after, interval, share } = this.between(time);
     const one = this.frameMotion(before);

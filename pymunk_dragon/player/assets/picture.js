@@ -1,5 +1,5 @@
-// Draws a moment of a run with its overlays, and the paper's grid for the search for contacts: its lines, and the cells
-// that benches cover.
+// Draws a moment of a run with its overlays, and the paper's grid for the search for contacts:
+// its lines, and the cells that benches cover.
 
 const SMALLEST_CELL = 5; // pixels: smallest cell that is drawn
 const CELL_OPACITY = 0.1; // of covered cells, as in the films
@@ -41,8 +41,8 @@ function drawGrid(painter, benches, visible) {
 }
 
 class RunPainter extends Painter {
-  // Draw `benches` at `time` with the overlays in `show` and the bench `pointed` highlighted. The exact benches are
-  // drawn at their distances from these times `magnification`.
+  // Draw `benches` at `time` with the overlays in `show` and the bench `pointed` highlighted. The
+  // exact benches are drawn at their distances from these times `magnification`.
   draw({ time, benches, show, pointed, exact, magnification }) {
     this.clear();
     const visible = this.visible(benches);

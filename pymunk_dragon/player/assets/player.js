@@ -1,11 +1,15 @@
 // The player: its time, its view and what is shown. Controls call its methods.
 
 const RATES = [0.1, 0.25, 0.5, 1, 2, 5, 10, 20, 50]; // simulated over real time
-const LONGEST = 60; // s: longest playing time at the default rate, which is the lowest such rate from 1 on
+// s: longest playing time at the default rate, which is the lowest such rate from 1 on.
+const LONGEST = 60;
 const LAST_PART = 10; // s: a button plays so much of the end of the run
-const LONGEST_TICK = 0.25; // s: most between two pictures, so that no run jumps after the computer was suspended
-const LINK_EVERY = 500; // ms: between changes of the address; browsers refuse more than some 200 in half a minute
-const ANNOUNCE_AFTER = 700; // ms: delay after the last input before the state is announced to screen readers
+// s: most between two pictures, so that no run jumps after the computer was suspended.
+const LONGEST_TICK = 0.25;
+// ms: between changes of the address; browsers refuse more than some 200 in half a minute.
+const LINK_EVERY = 500;
+// ms: delay after the last input before the state is announced to screen readers.
+const ANNOUNCE_AFTER = 700;
 
 class Player extends Stage {
   constructor(payload, { handles, velocities, exact, curve }) {

@@ -1,4 +1,5 @@
-// Events by time: near misses and contacts, as a list and on a timeline above the slider, also of a part of the run.
+// Events by time: near misses and contacts, as a list and on a timeline above the slider,
+// also of a part of the run.
 
 const THUMB = 8; // pixels: half the slider's thumb, the margin of the strip on both sides
 const CLICK = 7; // pixels: largest distance of a click from an event
@@ -159,7 +160,8 @@ const SLOWEST = 1 / 8; // simulated over real time
 const APPROACH = 2; // 1/s: speed over the time to the event
 const APART = 2; // s: a contact that begins so soon after another one has no slow motion of its own
 
-// Times of the events that playing slows down at: near misses, and contacts after a time without one.
+// Times of the events that playing slows down at: near misses,
+// and contacts after a time without one.
 function slowTimes(events) {
   const begins = events.filter(({ kind }) => kind === "contact").map(({ time }) => time);
   return [

@@ -6,8 +6,10 @@ const DELAY_GROWTH = 1.6; // times, from one attempt to the next
 const PING_EVERY = 5000; // ms
 const SILENCE = 15000; // ms without a message after which the connection counts as lost
 
-const TOLD_FRAME = 3; // each so many frames are acknowledged when they are drawn; Python sends twice as many before
-const IN_WIDGET = location.href.startsWith("about:srcdoc"); // this is the frame of a notebook's widget
+// Each so many frames are acknowledged when they are drawn; Python sends twice as many before.
+const TOLD_FRAME = 3;
+// This is the frame of a notebook's widget.
+const IN_WIDGET = location.href.startsWith("about:srcdoc");
 
 // Takes the place of a WebSocket there: the widget passes on what is posted.
 class WidgetSocket {
@@ -46,7 +48,8 @@ class WidgetSocket {
 }
 
 class Connection {
-  // `received` gets each JSON message, `framed` each binary frame, and `changed` whether the connection is open.
+  // `received` gets each JSON message, `framed` each binary frame,
+  // and `changed` whether the connection is open.
   constructor({ received, framed, changed }) {
     Object.assign(this, { received, framed, changed });
     this.delay = FIRST_DELAY;
@@ -99,7 +102,8 @@ class Connection {
 
 // ---- binary frames: the length of a JSON header, the header, and arrays of 32-bit numbers
 
-const CONTACT_SIZE = 5; // numbers of a contact: point, normal, impulse; less than 0 without an arrow
+// Numbers of a contact: point, normal, impulse; less than 0 without an arrow.
+const CONTACT_SIZE = 5;
 const JOINT_SIZE = 6; // numbers of a joint: two ends, its force or torque, and 1 for a torque
 const CALL_HEAD = 7; // numbers of a call before its points
 
@@ -125,8 +129,8 @@ function decodeFrame(buffer) {
   return frame;
 }
 
-// What Pymunk draws, as objects: kind, points, radius, angle, colours, and the grip of a hand: 2 if it
-// can hold the body, 1 where it finds nothing else (a body of sensors only), 0 if it cannot.
+// What Pymunk draws, as objects: kind, points, radius, angle, colours, and the grip of a hand: 2 if
+// it can hold the body, 1 where it finds nothing else (a body of sensors only), 0 if it cannot.
 function callsOf({ calls, colours = [] }) {
   const texts = colours.map(([r, g, b, a]) => `rgba(${r}, ${g}, ${b}, ${a / 255})`);
   const found = [];

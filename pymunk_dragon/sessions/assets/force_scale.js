@@ -1,4 +1,5 @@
-// Colours of bodies and forces, the scales of forces and torques, their legends and the scale bar at the lower border.
+// Colours of bodies and forces, the scales of forces and torques,
+// their legends and the scale bar at the lower border.
 
 const EFFORTS = ["force", "torque"];
 const EFFORT_TEXTS = {
@@ -27,7 +28,8 @@ const SHADE_COLOURS = Array.from({ length: SHADES }, (_, shade) => {
   return mixed(RAMP[k], RAMP[k + 1], place - k);
 });
 
-// A logarithmic scale whose upper end follows the largest value: it rises at once, and falls after some seconds.
+// A logarithmic scale whose upper end follows the largest value: it rises at once,
+// and falls after some seconds.
 
 const DECADES = 4; // length of the scale
 const LOWEST_TOP = -2; // smallest upper end, as a power of ten
@@ -70,12 +72,11 @@ function powerText(power) {
 const superscript = (number) =>
   [...String(number)].map((digit) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[digit] ?? "⁻").join("");
 
-// Pixels: distances of the legend from the left and the lower side, its width, its height, and its room below the bar.
-const LEGEND_LEFT = 14;
-const LEGEND_BOTTOM = 14;
-const LEGEND_WIDTH = 168;
-const LEGEND_HEIGHT = 9;
-const LEGEND_ROOM = 50;
+const LEGEND_LEFT = 14; // pixels: distance of the legend from the left side
+const LEGEND_BOTTOM = 14; // pixels: from the lower side
+const LEGEND_WIDTH = 168; // pixels
+const LEGEND_HEIGHT = 9; // pixels
+const LEGEND_ROOM = 50; // pixels: height of a legend with its texts
 const BAR_LONGEST = 110; // pixels: longest scale bar
 
 function drawLegend(painter, kind, above) {

@@ -10,7 +10,8 @@ const RATE_TIME = 1; // s: the rate of the simulation is an average of so long
 const SLOW = 0.9; // less than this fraction of the chosen speed is marked as slow
 const SWITCHES = ["curve", "handles", "labels", "ghost", "forces", "contacts"];
 const SHOWN_BY_DEFAULT = ["curve", "ghost", "contacts"];
-const STAGE = new URLSearchParams(location.hash.slice(1)).get("stage"); // scene for a frame on the page of a lesson
+// Scene for a frame on the page of a lesson.
+const STAGE = new URLSearchParams(location.hash.slice(1)).get("stage");
 
 class Live extends Stage {
   constructor() {
@@ -27,7 +28,8 @@ class Live extends Stage {
     this.tools = new Tools(this);
     this.recorder = new Recorder(this);
     this.drawn = 0;
-    this.pressed = new Map(); // keys of the scene that are down: codes, and the names that were sent
+    // Keys of the scene that are down: codes, and the names that were sent.
+    this.pressed = new Map();
     this.announce = throttled((text) => setText("announcement", text), ANNOUNCE_EVERY);
     this.connection = new Connection({
       received: (message) => this.receive(message),
@@ -123,7 +125,8 @@ class Live extends Stage {
     element("no-events").hidden = this.events.length > 0;
   }
 
-  // After an error the controls show what the server has. One in a user's function stays with its line and traceback.
+  // After an error the controls show what the server has.
+  // One in a user's function stays with its line and traceback.
   showError({ text, place = "", trace = "" }) {
     if (this.state) setTimeout(() => this.setState(this.state), SETTLE);
     setText("error-text", text);
@@ -174,7 +177,7 @@ class Live extends Stage {
 
   tick(now) {
     this.decode();
-    const { frame, state, view, painter, tools } = this;
+    const { frame, state, painter, tools } = this;
     painter.resize();
     if (!this.drawn) painter.clear(); // A new canvas is black.
     if (!frame || !state) return;

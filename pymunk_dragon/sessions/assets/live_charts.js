@@ -1,4 +1,5 @@
-// Charts of the last seconds: position error, tension along the chain, time of a step, and quantities of the scene.
+// Charts of the last seconds: position error, tension along the chain, time of a step,
+// and quantities of the scene.
 
 const CHART_SECONDS = 20;
 const LONGEST_GAP = 250; // ms: a longer pause between two frames counts as this
@@ -52,7 +53,8 @@ class Chart extends Pane {
   }
 }
 
-// The decades around positive values, at least two of them: powers of ten of the lower and the upper end.
+// The decades around positive values, at least two of them:
+// powers of ten of the lower and the upper end.
 function decadesAround(values) {
   const logs = values.filter((value) => value > 0).map(Math.log10);
   if (!logs.length) return [-2, 0];
@@ -96,7 +98,7 @@ class LiveCharts {
     const names = ["time (s)", ...this.quantities.map(({ name }) => name)];
     const rows = first.rows.map(([time], row) => [
       time,
-      ...this.quantities.map(({ rows }) => rows[row][1]),
+      ...this.quantities.map((quantity) => quantity.rows[row][1]),
     ]);
     const quoted = names.map((name) => `"${name.replaceAll('"', '""')}"`);
     return [quoted, ...rows].map((row) => row.join(",")).join("\n") + "\n";
@@ -174,7 +176,8 @@ class LiveCharts {
       { colour: "contact", width: 1.25 },
     );
     chart.track();
-    const [time, limit] = [1000 * step_time, budget].map(formatTime);
+    const time = formatTime(1000 * step_time);
+    const limit = formatTime(budget);
     setText("value-step", localized("{time} of {limit}", { time, limit }));
   }
 }
@@ -210,8 +213,10 @@ class Quantity {
     const { values } = chart;
     this.caption.textContent = translated(this.title) + this.unit;
     if (!chart.shown || !values.length) return;
-    let [low, high] = [Math.min(...values), Math.max(...values)];
-    // A constant quantity has a line in the middle; noise in its last digits does not fill the chart.
+    let low = Math.min(...values);
+    let high = Math.max(...values);
+    // A constant quantity has a line in the middle;
+    // noise in its last digits does not fill the chart.
     const least = Math.max(Math.abs(low), Math.abs(high)) * 1e-4 || 1;
     if (high - low < least) [low, high] = [(low + high - least) / 2, (low + high + least) / 2];
     // Enough digits to tell the ticks apart.

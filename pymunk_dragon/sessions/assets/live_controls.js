@@ -1,6 +1,7 @@
 // Buttons, fields and keys of the live page.
 
-const WIDE = "(min-width: 44.01rem) and (min-height: 36.01rem)"; // room for all parts of the panel at once
+// Room for all parts of the panel at once.
+const WIDE = "(min-width: 44.01rem) and (min-height: 36.01rem)";
 const NOTCH_PIXELS = 100; // a notch of the wheel in most browsers
 const NOTCH_LINES = 3; // the same where it counts lines
 

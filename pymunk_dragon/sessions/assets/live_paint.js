@@ -20,7 +20,8 @@ class LivePainter extends Painter {
     return this.pale ? mixed(colour, this.colours.background, PALE) : colour;
   }
 
-  // Draw a frame: `state` is the server's, `show` the switches, `held` and `target` belong to the pointer.
+  // Draw a frame: `state` is the server's, `show` the switches,
+  // `held` and `target` belong to the pointer.
   draw({ frame, poses, state, show, held, target, aims }) {
     const { model } = this;
     const joints = model.joints(frame, poses, state.cuts);

@@ -29,7 +29,8 @@ function showScene(live) {
   showLesson(scene);
   element("reset").title = scene.given
     ? localized(
-        "Start again: all is as it was at first, sliders too; where bodies touch, the run may differ",
+        "Start again: all is as it was at first, sliders too;" +
+          " where bodies touch, the run may differ",
       )
     : localized("Start again: all is as it was at first, sliders too");
   for (const id of ["save", "about-save"]) element(id).hidden = IN_WIDGET || !scene.replays;
@@ -47,11 +48,13 @@ function showScene(live) {
   showAbilities(live);
 }
 
-// A link to the lesson of a scene, if its page is on this server; otherwise the command that shows it.
+// A link to the lesson of a scene, if its page is on this server;
+// otherwise the command that shows it.
 function showLesson({ lesson }) {
   const here = location.pathname.endsWith("/live");
   const link = element("lesson");
-  const command = `pymunk-dragon demo --live ${lesson}${language === "en" ? "" : ` --lang ${language}`}`;
+  const option = language === "en" ? "" : ` --lang ${language}`;
+  const command = `pymunk-dragon demo --live ${lesson}${option}`;
   setText("lesson", lesson ? localized("Lesson: {name}", { name: here ? lesson : command }) : "");
   if (here) link.href = `./${location.search}#${lesson}`;
 }
@@ -122,7 +125,8 @@ function showAccess(live) {
   element("role").hidden = role === "";
 }
 
-// Simulated over real time in the last second, by the session's clock; null in the first moments after a change.
+// Simulated over real time in the last second, by the session's clock;
+// null in the first moments after a change.
 function rateOf(live) {
   const {
     state: { running, speed },

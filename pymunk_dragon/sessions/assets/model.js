@@ -1,4 +1,5 @@
-// The scene as the view and the painter need it: benches and their sizes, or what Pymunk draws of any space.
+// The scene as the view and the painter need it: benches and their sizes,
+// or what Pymunk draws of any space.
 
 class Model {
   constructor(scene) {
@@ -40,9 +41,9 @@ class Model {
     return `${numberText(effort)} ${this.unitOf[kind]}`;
   }
 
-  // What a hand takes at a point, as the server does: a bench, or the shape with the best grip that is
-  // drawn last there, or else the nearest within `slip`; and its point closest to that point. Null if
-  // there is none.
+  // What a hand takes at a point, as the server does: a bench, or the shape with the best grip that
+  // is drawn last there, or else the nearest within `slip`; and its point closest to that point.
+  // Null if there is none.
   bodyAt(point, slip, { calls }, poses) {
     if (this.benches) {
       const benches = new Benches(this, poses);
@@ -62,7 +63,8 @@ class Model {
     );
   }
 
-  // Number and effort of each joint of a frame. The kind of an effort is "force" or "torque"; a step of 0 s has none.
+  // Number and effort of each joint of a frame. The kind of an effort is "force" or "torque";
+  // a step of 0 s has none.
   efforts({ joints, forces }) {
     if (this.benches) {
       return Array.from(forces, (effort, number) => ({ number, effort, kind: "force" }));
@@ -74,7 +76,8 @@ class Model {
     }));
   }
 
-  // The same with the two ends of each joint. Those of a dragon are the holes that two benches share.
+  // The same with the two ends of each joint. Those of a
+  // dragon are the holes that two benches share.
   joints(frame, poses, cuts) {
     const efforts = this.efforts(frame);
     if (!this.benches) {

@@ -1,4 +1,5 @@
-// Overlays: exact benches, joint forces, contacts, cut joints, the held body and what the tool points at.
+// Overlays: exact benches, joint forces, contacts, cut joints,
+// the held body and what the tool points at.
 
 const GHOST_SHOWN = 0.75; // pixels: least distance between a bench and the exact one that is drawn
 const SMALLEST_DISC = 2; // pixels: radius at a joint with a small force

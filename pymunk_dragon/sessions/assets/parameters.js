@@ -1,7 +1,8 @@
 // Sliders of the scene's parameters.
 
 const SEND_EVERY = 100; // ms between two values of a slider that is moved
-const SETTLE = 500; // ms: after a change by the user, values of the server do not move the slider for so long
+// ms: after a change by the user, values of the server do not move the slider for so long.
+const SETTLE = 500;
 const POSITIONS = 400; // steps of a slider
 
 // What a slider of a parameter shows at a position from 0 to 1, and the reverse.
@@ -10,7 +11,8 @@ function scaleOf({ low, high, logarithmic, whole }) {
   const exact = (position) =>
     log ? low * (high / low) ** position : low + position * (high - low);
   return {
-    step: whole && !log && high > low ? (1 - 1e-9) / (high - low) : 1 / POSITIONS, // The last step stays within 1.
+    // The last step stays within 1.
+    step: whole && !log && high > low ? (1 - 1e-9) / (high - low) : 1 / POSITIONS,
     valueAt(position) {
       if (position <= 0) return low;
       if (position >= 1) return high;
@@ -99,9 +101,11 @@ class Sliders {
     Object.assign(this, { container, send, sliders: [] });
   }
 
-  // A rebuilt scene with the same parameters keeps its sliders, and with them the focus; not in another language.
+  // A rebuilt scene with the same parameters keeps its sliders, and with them the focus;
+  // not in another language.
   setParameters(parameters) {
-    const shape = JSON.stringify([language, ...parameters.map(({ value, ...rest }) => rest)]);
+    const fixed = parameters.map((parameter) => ({ ...parameter, value: null }));
+    const shape = JSON.stringify([language, ...fixed]);
     if (shape !== this.shape) {
       this.shape = shape;
       this.sliders = parameters.map((parameter) => new Slider(parameter, this.send));

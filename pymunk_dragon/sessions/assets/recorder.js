@@ -1,10 +1,11 @@
 // Films the field.
 
-// The first one that the browser can write. H.264 has to be named: Chromium writes VP9 into an MP4 without a codec, and
-// fewer players know that.
+// The first one that the browser can write. H.264 has to be named: Chromium writes VP9 into an MP4
+// without a codec, and fewer players know that.
 const FILM_TYPES = ["video/mp4;codecs=avc1", "video/webm", "video/mp4"];
 const FILM_RATE = 30; // pictures a second
-// Most pixels of a picture: levels of H.264 end at 36,864 blocks of 16 x 16 pixels, not all of which are full.
+// Most pixels of a picture: levels of H.264 end at 36,864 blocks of 16 x 16 pixels,
+// not all of which are full.
 const FILM_PIXELS = 4096 * 2160;
 
 // H.264 has only even sizes.
@@ -50,7 +51,8 @@ class Recorder {
     this.live.requestDraw(); // the stream begins with the next picture
   }
 
-  // All pictures of a film have the size of the field when it began, less the last pixel of an odd one.
+  // All pictures of a film have the size of the field when it began,
+  // less the last pixel of an odd one.
   setSize({ width, height }) {
     const scale = Math.min(1, Math.sqrt(FILM_PIXELS / (width * height)));
     this.width = scale * width;

@@ -1,5 +1,5 @@
-// Draws what Pymunk's debug drawing draws. Neighbours of one colour share a path, because drawing a path costs more
-// than extending it.
+// Draws what Pymunk's debug drawing draws. Neighbours of one colour share a path,
+// because drawing a path costs more than extending it.
 
 const SHAPE_OUTLINE = 1; // pixels
 const JOINT_WIDTH = 1.5; // pixels

@@ -19,7 +19,8 @@ const ABILITY_OF_TOOL = {
   square: "obstacles",
   release: "dancers",
 };
-const OBSTACLES = { low: 0.005, usual: 0.04, high: 0.25 }; // sizes as parts of the field's shorter side
+// Sizes as parts of the field's shorter side.
+const OBSTACLES = { low: 0.005, usual: 0.04, high: 0.25 };
 
 class Tools {
   constructor(live) {
@@ -28,7 +29,8 @@ class Tools {
     this.carried = null; // position of the pointer that holds a body
     this.buttons = 0; // those that the program knows to be down, as in `PointerEvent.buttons`
     this.place = null; // where the program's pointer is
-    this.turned = null; // notches of the wheel, to the right and up, that the program was not sent yet
+    // Notches of the wheel, to the right and up, that the program was not sent yet.
+    this.turned = null;
   }
 
   // A rebuilt scene keeps the size of obstacles.
@@ -138,7 +140,8 @@ class Tools {
     return this.chosen === "program" && this.live.controls;
   }
 
-  // The pointer is at a pixel with these buttons down. The program gets buttons at once, and places in each picture.
+  // The pointer is at a pixel with these buttons down. The program gets buttons at once,
+  // and places in each picture.
   press(pixel, buttons) {
     for (const [bit, button] of BUTTONS) {
       const down = (buttons & bit) > 0;

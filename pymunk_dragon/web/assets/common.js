@@ -61,7 +61,8 @@ function nearestWithin(slip, items, distanceOf) {
   for (const item of items) {
     const distance = distanceOf(item);
     if (distance < nearest || (distance === nearest && found === null)) {
-      [found, nearest] = [item, distance];
+      found = item;
+      nearest = distance;
     }
   }
   return found;

@@ -21,7 +21,8 @@ function formatLength(metres, error) {
   return `${length.toFixed(Math.min(significant, decimals(1000 * error)))} mm`;
 }
 
-// A position error in m with an error in m: in micrometres if it is small and known to a micrometre.
+// A position error in m with an error in m: in micrometres
+// if it is small and known to a micrometre.
 function formatError(metres, error) {
   if (metres >= SMALL_ERROR || error >= 1e-6) return formatLength(metres, error);
   return `${(1e6 * metres).toFixed(decimals(1e6 * error))} μm`;
@@ -64,7 +65,8 @@ function formatNumbers({ part, speed, angle, gap, nearest, error }) {
   };
 }
 
-// A speed in simulated over real time: whole numbers, and below 1 the next larger of 1/2, 1/4, 1/8, ...
+// A speed in simulated over real time: whole numbers, and below 1 the next larger of 1/2, 1/4,
+// 1/8, ...
 function formatRate(rate) {
   return rate >= 1 ? `${Math.round(rate)}×` : `1/${2 ** Math.floor(-Math.log2(rate) + 1e-9)}×`;
 }

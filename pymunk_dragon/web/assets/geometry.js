@@ -1,6 +1,7 @@
 // Rectangles of the benches: corners, distances, and the grid cells that they cover.
 
-const CELL_SLACK = 1e-8; // cells: margin around a bench, as in the package's grid; rounding never loses a cell
+// cells: margin around a bench, as in the package's grid; rounding never loses a cell.
+const CELL_SLACK = 1e-8;
 
 // Poses as columns, with cosines and sines; `poseOf` returns x, y and angle of a body.
 function posesFrom(count, poseOf) {
@@ -22,13 +23,15 @@ function posesBetween(handles) {
   });
 }
 
-// Benches at their poses; `motion` has their number `benches` and their `lengths`, `widths` and `spacings`.
+// Benches at their poses; `motion` has their number `benches` and their `lengths`,
+// `widths` and `spacings`.
 class Benches {
   constructor(motion, poses) {
     Object.assign(this, { motion, poses });
   }
 
-  // Positions of the handles: handle i is the front hole of bench i, the last handle is the tail's rear hole.
+  // Positions of the handles: handle i is the front hole of bench i,
+  // the last handle is the tail's rear hole.
   get handles() {
     const last = this.motion.benches - 1;
     return (this.cachedHandles ??= range(0, last, last)
@@ -74,7 +77,8 @@ class Benches {
     };
   }
 
-  // Gaps between the shadows of two benches along and across the first, and the second; negative where they overlap.
+  // Gaps between the shadows of two benches along and across the first, and the second;
+  // negative where they overlap.
   axisGaps(i, j) {
     const { x, y, cos, sin } = this.poses;
     const { lengths, widths } = this.motion;
@@ -91,8 +95,9 @@ class Benches {
     return [along(i, j), across(i, j), along(j, i), across(j, i)];
   }
 
-  // The gap between two benches, and its two ends. Rectangles that do not overlap are closest at a corner of one of
-  // them. The gap of two that overlap is negative: the shortest way that parts them (separating axis theorem).
+  // The gap between two benches, and its two ends. Rectangles that do not overlap are closest at a
+  // corner of one of them. The gap of two that overlap is negative: the shortest way that parts
+  // them (separating axis theorem).
   gap(i, j) {
     let found = { gap: Infinity };
     for (const [own, other] of [
@@ -109,15 +114,16 @@ class Benches {
     return found;
   }
 
-  // The bench closest to bench `i` among those that are not its neighbours, of the first `count`, with the gap; `found`
-  // if that is a smaller one.
+  // The bench closest to bench `i` among those that are not its neighbours, of the first `count`,
+  // with the gap; `found` if that is a smaller one.
   nearest(i, found = null, count = this.motion.benches) {
     const { x, y } = this.poses;
     const { lengths, widths } = this.motion;
     const reach = (k) => Math.sqrt(lengths[k] ** 2 + widths[k] ** 2) / 2;
     for (let j = 0; j < count; j++) {
       if (Math.abs(i - j) <= 1) continue;
-      // Lower bounds of the gap: distance of the centres less half a diagonal each, and the gaps between shadows.
+      // Lower bounds of the gap: distance of the centres less half a diagonal each,
+      // and the gaps between shadows.
       const least = Math.sqrt((x[i] - x[j]) ** 2 + (y[i] - y[j]) ** 2) - reach(i) - reach(j);
       if (found && (least >= found.gap || Math.max(...this.axisGaps(i, j)) >= found.gap)) continue;
       const between = this.gap(i, j);
@@ -132,7 +138,8 @@ class Benches {
     return nearestWithin(slip, range(0, last, last), (i) => this.nearestPoint(i, point).distance);
   }
 
-  // Grid cells [row, column] that bench `i` touches or covers: rows count downward, columns to the right.
+  // Grid cells [row, column] that bench `i` touches or covers: rows count downward,
+  // columns to the right.
   cells(i, { cell, origin }) {
     const { x, y, cos, sin } = this.poses;
     const u = (x[i] - origin[0]) / cell;
@@ -146,7 +153,8 @@ class Benches {
     const cells = [];
     for (let row = Math.floor(v - reachV); row <= Math.floor(v + reachV); row++) {
       for (let column = Math.floor(u - reachU); column <= Math.floor(u + reachU); column++) {
-        // The ranges of rows and columns cover the cell's axes; the bench's axes remain to be tested.
+        // The ranges of rows and columns cover the cell's axes;
+        // the bench's axes remain to be tested.
         const du = column + 0.5 - u;
         const dv = row + 0.5 - v;
         const half = (c + s) / 2 + CELL_SLACK;

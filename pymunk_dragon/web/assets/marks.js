@@ -97,7 +97,7 @@ function drawNumbers(painter, benches, visible, inContact) {
 }
 
 function drawContacts(painter, time, benches, touching) {
-  const { context, view } = painter;
+  const { view } = painter;
   for (const { benches: two } of touching) {
     drawRing(painter, view.toScreen(...benches.gap(...two).ends[0]));
   }
@@ -116,7 +116,8 @@ function drawContacts(painter, time, benches, touching) {
   }
 }
 
-// Text beside a point: at the right, at the left if there is no room, and otherwise as far to the right as there is.
+// Text beside a point: at the right, at the left if there is no room,
+// and otherwise as far to the right as there is.
 function drawLabel(painter, text, px, py) {
   const { context, view } = painter;
   painter.setFont("600 13px", "left", "middle");

@@ -1,4 +1,5 @@
-// Draws the benches and the curve. Many benches share a path, because drawing a path costs more than extending it.
+// Draws the benches and the curve. Many benches share a path,
+// because drawing a path costs more than extending it.
 
 const CURVE_WIDTH = 0.04; // width of the curve over that of a bench, as in the films
 const THINNEST_CURVE = 1; // pixels
@@ -56,12 +57,10 @@ class Painter {
     let drawn = null; // the point up to which the curve is drawn
     for (let from = 0; from < last; from += stride) {
       const to = Math.min(from + stride, last);
-      const [x, y, nextX, nextY] = [
-        curve[2 * from],
-        curve[2 * from + 1],
-        curve[2 * to],
-        curve[2 * to + 1],
-      ];
+      const x = curve[2 * from];
+      const y = curve[2 * from + 1];
+      const nextX = curve[2 * to];
+      const nextY = curve[2 * to + 1];
       if (!view.isVisible(x, y, Math.hypot(nextX - x, nextY - y))) continue;
       if (drawn !== from) path.moveTo(...view.toScreen(x, y));
       path.lineTo(...view.toScreen(nextX, nextY));

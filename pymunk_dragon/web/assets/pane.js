@@ -1,4 +1,5 @@
-// A part of a canvas with coordinates of its own, y up: lines, dots and texts in them, and the axes of a chart.
+// A part of a canvas with coordinates of its own, y up: lines, dots and texts in them,
+// and the axes of a chart.
 
 const CHART_MARGINS = { left: 52, right: 22, above: 26, below: 36 }; // pixels
 const TICKS_ACROSS = 80; // pixels: least distance of values along the axis
@@ -33,11 +34,13 @@ function readColours() {
   );
 }
 
-// Match a canvas to the pixels of the screen; returns its size in those of the page, in which one draws then.
+// Match a canvas to the pixels of the screen; returns its size in those of the page,
+// in which one draws then.
 function fitCanvas(canvas, context) {
   const { width, height } = canvas.getBoundingClientRect();
   const ratio = window.devicePixelRatio || 1;
-  const [wide, high] = [width, height].map((size) => Math.max(1, Math.round(size * ratio)));
+  const wide = Math.max(1, Math.round(width * ratio));
+  const high = Math.max(1, Math.round(height * ratio));
   if (canvas.width !== wide || canvas.height !== high) {
     Object.assign(canvas, { width: wide, height: high });
   }
@@ -45,16 +48,17 @@ function fitCanvas(canvas, context) {
   return { width: Math.max(1, width), height: Math.max(1, height) };
 }
 
-// `look` has `colours` by their names, and a `font`. The pane reaches from `top` down over `width` and `height`; there
-// the point (x0, y0) is at the pixel (left, ceiling), and a unit is `sx` and `sy` pixels along the axes. Texts have
-// `size` pixels.
+// `look` has `colours` by their names, and a `font`. The pane reaches from `top` down over `width`
+// and `height`; there the point (x0, y0) is at the pixel (left, ceiling), and a unit is `sx` and
+// `sy` pixels along the axes. Texts have `size` pixels.
 class Pane {
   constructor(context, look) {
     Object.assign(this, { context, look, size: 13 });
   }
 
-  // Axes of a chart with the ranges `across` and `up`; what is drawn next is clipped to them. `tick` writes a value,
-  // and those of the vertical axis are at least `apart` pixels apart. Only a chart with a name has values below it.
+  // Axes of a chart with the ranges `across` and `up`; what is drawn next is clipped to them.
+  // `tick` writes a value, and those of the vertical axis are at least `apart` pixels apart. Only a
+  // chart with a name has values below it.
   axes({
     across: [x0, x1],
     up: [y0, y1],

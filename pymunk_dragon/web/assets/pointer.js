@@ -10,8 +10,8 @@ function pixelOf(canvas, { clientX, clientY }) {
   return [clientX - left, clientY - top];
 }
 
-// `taken` returns whether a pointer that goes down takes hold of something; its movements are then `carried` instead of
-// panning the view, until it is `dropped`.
+// `taken` returns whether a pointer that goes down takes hold of something; its movements are then
+// `carried` instead of panning the view, until it is `dropped`.
 function listenToPointers(
   canvas,
   view,
@@ -58,7 +58,8 @@ function listenToPointers(
       moved("pan");
     } else if (down.size === 2) {
       const after = [...down.values()].map(({ now }) => now);
-      const [from, to] = [middle(before), middle(after)];
+      const from = middle(before);
+      const to = middle(after);
       view.zoom(spread(after) / Math.max(1, spread(before)), ...from);
       view.pan(to[0] - from[0], to[1] - from[1]);
       moved("pinch");

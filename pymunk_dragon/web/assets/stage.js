@@ -1,4 +1,5 @@
-// The canvas of the player and of the live page: what is in view, what is shown on it, and the controls that both have.
+// The canvas of the player and of the live page: what is in view, what is shown on it,
+// and the controls that both have.
 
 const PAN_STEP = 1 / 8; // fraction of its size by which the view moves
 const ZOOM_STEP = 1.4; // times
@@ -45,7 +46,8 @@ class Stage {
     this.viewMoved("pan");
   }
 
-  // The user has moved the view, which then follows nothing, but zooming while playing keeps the head centred.
+  // The user has moved the view, which then follows nothing,
+  // but zooming while playing keeps the head centred.
   viewMoved(how) {
     if (!(how === "zoom" && this.playing && this.follow === "head")) this.follow = null;
     this.afterChange();
@@ -58,8 +60,8 @@ class Stage {
   }
 }
 
-// Connect the controls that both pages have. A page adds buttons and keys with their actions, and `takes`, which
-// returns whether an event of the keyboard is handled already.
+// Connect the controls that both pages have. A page adds buttons and keys with their actions, and
+// `takes`, which returns whether an event of the keyboard is handled already.
 function connectStage(stage, { buttons, keys, pointers, takes }) {
   const actions = {
     "zoom-in": () => stage.zoom(ZOOM_STEP),
@@ -139,7 +141,8 @@ function listenToKeys(actions, takes = () => false) {
   });
 }
 
-// Keys that an element uses itself. The space bar is that of an element which a key has reached, and not a click.
+// Keys that an element uses itself. The space bar is that
+// of an element which a key has reached, and not a click.
 function keepsKey(target, key, tabbed) {
   if (target.matches("input[type=number]")) return true;
   if (key === " ") {

@@ -1,7 +1,9 @@
-// Languages of the page: its texts are English, and the page has a catalogue from English to each other language.
+// Languages of the page: its texts are English, and the
+// page has a catalogue from English to each other language.
 
 const CATALOGUES = { en: {}, ...JSON.parse(element("texts").textContent) };
-const UNTRANSLATED = "script, style, svg, canvas, kbd, code, [translate=no]"; // elements without texts of the page
+// Elements without texts of the page.
+const UNTRANSLATED = "script, style, svg, canvas, kbd, code, [translate=no]";
 const HAS_LETTERS = /\p{L}/u;
 const LANGUAGE_NAMES = { en: "English", zh: "中文" };
 const KEY_SIGNS = { ArrowLeft: "←", ArrowRight: "→", ArrowUp: "↑", ArrowDown: "↓", "-": "−" };
@@ -25,7 +27,8 @@ function languageIn(part) {
   return Object.hasOwn(CATALOGUES, name) ? name : undefined;
 }
 
-// Without a choice in #lang=zh: that in ?lang=zh or ?zh, or the language in which the page was written.
+// Without a choice in #lang=zh: that in ?lang=zh or ?zh,
+// or the language in which the page was written.
 const DEFAULT_LANGUAGE = languageIn(location.search) ?? document.documentElement.lang;
 const chosenLanguage = () => languageIn(location.hash) ?? DEFAULT_LANGUAGE;
 

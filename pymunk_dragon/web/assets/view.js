@@ -1,6 +1,8 @@
-// Camera: the visible part of the plane, x to the right and y up (down where `up` is -1) in m; pixels go down.
+// Camera: the visible part of the plane, x to the right and
+// y up (down where `up` is -1) in m; pixels go down.
 
-const WIDEST_BENCH = 20000; // pixels: a near miss of the reference scenario is then some 60 pixels wide
+// pixels: a near miss of the reference scenario is then some 60 pixels wide.
+const WIDEST_BENCH = 20000;
 const SMALLEST = 0.2; // smallest scale relative to that of the fitted view
 const BORDER = 0.04; // border of the fitted view as a fraction of its size
 

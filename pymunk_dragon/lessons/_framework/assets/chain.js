@@ -1,10 +1,13 @@
-// The exact chain on a curve, as in the package's model: lengths in m, angles in rad. A curve has its first and last
-// coordinate `begin` and `end`, the arc length along it, and `frame(s)`: x, y, and the unit tangent's x and y there.
+// The exact chain on a curve, as in the package's model: lengths in m, angles in rad. A curve has
+// its first and last coordinate `begin` and `end`, the arc length along it, and `frame(s)`: x, y,
+// and the unit tangent's x and y there.
 
-// Share of a chord in which its end is sought step by step; a step of Newton's method below the other one is the last.
+// Share of a chord in which its end is sought step by step;
+// a step of Newton's method below the other one is the last.
 const SEARCH_STEP = 1 / 16;
 const STEP_TOLERANCE = 1e-8;
-// Cells between two points of a drawn path, and nodes and weights of the integral of the length in a cell.
+// Cells between two points of a drawn path, and nodes and
+// weights of the integral of the length in a cell.
 const CELLS = 8;
 const GAUSS = [
   [0, 0.5688888888888889],
@@ -16,7 +19,8 @@ const GAUSS = [
 const ROOT_TOLERANCE = 1e-12; // m or s: width of an interval in which a root is found
 const GOLDEN = (Math.sqrt(5) - 1) / 2; // ratio of the golden section
 
-// The spiral r = k theta, travelled inward; the coordinate is the arc length from the centre, negative.
+// The spiral r = k theta, travelled inward; the coordinate
+// is the arc length from the centre, negative.
 class Spiral {
   constructor(pitch) {
     Object.assign(this, { k: pitch / TURN, begin: -Infinity, end: 0, known: [0, 0] });
@@ -31,7 +35,8 @@ class Spiral {
     return this.atAngle(radius / this.k);
   }
 
-  // Polar angle, counted from the centre: Newton's method from the asymptotic form. The last one is known.
+  // Polar angle, counted from the centre: Newton's method from the asymptotic form.
+  // The last one is known.
   angle(s) {
     if (s === this.known[0]) return this.known[1];
     const target = (-2 * s) / this.k;
@@ -47,8 +52,9 @@ class Spiral {
     return theta;
   }
 
-  // Coordinate of the first point behind `s` at the straight distance `chord`, if it is within half a turn, in which
-  // the distance grows all the time; otherwise NaN. Newton's method for the angle between both, from about `guess` m.
+  // Coordinate of the first point behind `s` at the straight distance `chord`, if it is within half
+  // a turn, in which the distance grows all the time; otherwise NaN. Newton's method for the angle
+  // between both, from about `guess` m.
   behind(s, chord, guess = chord) {
     const { k } = this;
     const theta = this.angle(s);
@@ -78,13 +84,15 @@ class Spiral {
   }
 }
 
-// In on a spiral, round inside a circle on two arcs whose radii have a ratio, and out; s is 0 at the entry.
+// In on a spiral, round inside a circle on two arcs whose radii have a ratio, and out;
+// s is 0 at the entry.
 class UTurn {
   constructor({ pitch = 1.7, radius = 4.5, ratio = 2 } = {}) {
     const theta = (TURN * radius) / pitch;
     const aside = Math.atan(theta);
     const heading = theta - Math.PI + aside;
-    // Each arc's chord is twice its radius times the sine of half its angle; together they are the diameter.
+    // Each arc's chord is twice its radius times the sine of half its angle;
+    // together they are the diameter.
     const radii = [ratio, 1].map((share) => ((radius / Math.sin(aside)) * share) / (1 + ratio));
     this.points = [1, (1 - ratio) / (1 + ratio), -1].map((share) => [
       share * radius * Math.cos(theta),
@@ -104,7 +112,8 @@ class UTurn {
     this.length = this.lengths[0] + this.lengths[1];
     this.spiral = new Spiral(pitch);
     this.entry = this.spiral.atRadius(radius);
-    [this.begin, this.end] = [-Infinity, Infinity];
+    this.begin = -Infinity;
+    this.end = Infinity;
   }
 
   frame(s) {
@@ -123,8 +132,9 @@ class UTurn {
   }
 }
 
-// A smooth path through at least four points: the cubic spline by chord length, with not-a-knot ends. Its coordinate is
-// the length of the chords, and only nearly the arc length: `length` and `atLength` convert.
+// A smooth path through at least four points: the cubic spline by chord length, with not-a-knot
+// ends. Its coordinate is the length of the chords, and only nearly the arc length: `length` and
+// `atLength` convert.
 class DrawnPath {
   constructor(points) {
     const chords = points
@@ -138,7 +148,8 @@ class DrawnPath {
         chords,
       ),
     );
-    [this.begin, this.end] = [0, this.knots.at(-1)];
+    this.begin = 0;
+    this.end = this.knots.at(-1);
     // The lengths up to the knots.
     this.lengths = [0];
     for (const knot of this.knots.slice(1)) this.lengths.push(this.length(knot));
@@ -189,12 +200,16 @@ class DrawnPath {
   }
 }
 
-// Coefficients of a cubic spline between knots that are `h` apart, by powers of the distance from the knot before: its
-// slopes solve a tridiagonal system (C. de Boor, A Practical Guide to Splines, chapter IV).
+// Coefficients of a cubic spline between knots that are `h` apart, by powers of the distance from
+// the knot before: its slopes solve a tridiagonal system (C. de Boor, A Practical Guide to Splines,
+// chapter IV).
 function splineCubics(values, h) {
   const n = values.length;
   const rise = h.map((each, i) => (values[i + 1] - values[i]) / each);
-  const [p, q, a, b] = [h[0], h[1], h[n - 3], h[n - 2]];
+  const p = h[0];
+  const q = h[1];
+  const a = h[n - 3];
+  const b = h[n - 2];
   // Rows: the factors of the slopes before, at, and after a knot, and the right side.
   const rows = values.map((_, i) => [
     h[i],
@@ -236,9 +251,9 @@ function makeDragon({
   return { benches, spacings, widths, lengths: spacings.map((spacing) => spacing + 2 * overhang) };
 }
 
-// Coordinate of the first point behind `s` at the straight distance `chord`, or ahead with `way` 1. NaN if the curve
-// ends before, or turns back so that the distance shrinks first. `guess` is about how far away along the curve it is. A
-// curve may have a faster method `behind`.
+// Coordinate of the first point behind `s` at the straight distance `chord`, or ahead with `way` 1.
+// NaN if the curve ends before, or turns back so that the distance shrinks first. `guess` is about
+// how far away along the curve it is. A curve may have a faster method `behind`.
 function neighbour(curve, s, chord, way = -1, guess = chord) {
   const found = way < 0 ? curve.behind?.(s, chord, guess) : NaN;
   if (found < s) return found;
@@ -257,7 +272,8 @@ function neighbour(curve, s, chord, way = -1, guess = chord) {
   for (evaluate(high); distance < chord; evaluate(high)) {
     if (high === room || !(growth > 0)) return NaN;
     const next = high + SEARCH_STEP * chord;
-    [low, high] = [high, Math.min(guess > high && guess < next ? guess : next, room)];
+    low = high;
+    high = Math.min(guess > high && guess < next ? guess : next, room);
     offset = high;
   }
   for (let pass = 0; pass < 60; pass++) {
@@ -272,8 +288,9 @@ function neighbour(curve, s, chord, way = -1, guess = chord) {
   return s + way * offset;
 }
 
-// The first `count` handles of a dragon with its head at the coordinate `head`, fewer if the curve takes no more:
-// coordinates, points with tangents as `frame` has them, and velocities along the curve in units of the head's.
+// The first `count` handles of a dragon with its head at the coordinate `head`, fewer if the curve
+// takes no more: coordinates, points with tangents as `frame` has them, and velocities along the
+// curve in units of the head's.
 function chainAt(curve, { benches, spacings }, head, count = benches + 1) {
   const chain = { s: [head], points: [curve.frame(head)], ratios: [1] };
   for (let i = 1; i < count; i++) {
@@ -326,7 +343,8 @@ class March {
   }
 }
 
-// Pairs of benches, other than neighbours, that share a cell of a grid, and the number of entries in cells.
+// Pairs of benches, other than neighbours, that share a cell of a grid,
+// and the number of entries in cells.
 function gridPairs(benches, grid) {
   const cells = new Map();
   const pairs = new Set();
@@ -348,7 +366,8 @@ function gridPairs(benches, grid) {
   };
 }
 
-// A root of a function between `before`, where it is positive, and `after`, where it is not, by bisection.
+// A root of a function between `before`, where it is positive, and `after`, where it is not,
+// by bisection.
 function rootBetween(f, before, after) {
   while (Math.abs(after - before) > ROOT_TOLERANCE) {
     const middle = (before + after) / 2;
@@ -375,9 +394,12 @@ function smallestOf(all, f) {
   return all[values.indexOf(Math.min(...values))];
 }
 
-// The first root of a gap between two arguments, in steps that see each of its minima below `near`; null if none.
+// The first root of a gap between two arguments, in steps
+// that see each of its minima below `near`; null if none.
 function firstContact(gap, begin, end, step, near) {
-  let [before, last, at] = [Infinity, gap(begin), begin];
+  let before = Infinity;
+  let last = gap(begin);
+  let at = begin;
   if (last <= 0) return begin;
   while (at < end) {
     const next = Math.min(at + step, end);
@@ -387,7 +409,9 @@ function firstContact(gap, begin, end, step, near) {
       if (gap(least) <= 0) return rootBetween(gap, at - step, least);
     }
     if (here <= 0) return rootBetween(gap, at, next);
-    [before, last, at] = [last, here, next];
+    before = last;
+    last = here;
+    at = next;
   }
   return null;
 }

@@ -1,6 +1,7 @@
-// The frame of a stage: a canvas with panes, things to drag, sliders, and one readout. `stages` has a function for each
-// lesson, which is called with a `Lab` when the experiment is opened. It sets `lab.label`, what the canvas shows, and
-// `lab.readout()`, what it says; `lab.update()` runs before each picture. A text is a pair, in English and in Chinese.
+// The frame of a stage: a canvas with panes, things to drag, sliders, and one readout. `stages` has
+// a function for each lesson, which is called with a `Lab` when the experiment is opened. It sets
+// `lab.label`, what the canvas shows, and `lab.readout()`, what it says; `lab.update()` runs before
+// each picture. A text is a pair, in English and in Chinese.
 
 const stages = {};
 
@@ -24,7 +25,10 @@ class Lab {
     this.controls = created("div", { className: "controls" });
     div.replaceChildren(this.scene, this.output, this.controls);
     this.context = this.canvas.getContext("2d", { alpha: false });
-    [this.rows, this.panes, this.knobs, this.painted] = [[], [], [], 0];
+    this.rows = [];
+    this.panes = [];
+    this.knobs = [];
+    this.painted = 0;
   }
 
   say([english, chinese]) {
@@ -38,7 +42,8 @@ class Lab {
 
   // A mixture of two colours, with a share of the second from 0 to 1.
   mixed(one, two, share) {
-    return `color-mix(in oklab, ${this.colours[two]} ${100 * bounded(share, 0, 1)}%, ${this.colours[one]})`;
+    const percent = 100 * bounded(share, 0, 1);
+    return `color-mix(in oklab, ${this.colours[two]} ${percent}%, ${this.colours[one]})`;
   }
 
   // Something changed: draw with the next picture.
@@ -49,11 +54,12 @@ class Lab {
     });
   }
 
-  // A slider; `show` writes its value, by default with so many `digits` and a unit. One with `play()`, the change of
-  // its value in a second, has a button that moves it.
+  // A slider; `show` writes its value, by default with so many `digits` and a unit. One with
+  // `play()`, the change of its value in a second, has a button that moves it.
   slider(label, { min, max, step, value, unit = "", digits, play, show }) {
     const input = created("input", { type: "range", min, max, step, value });
-    const [name, shown] = [created("span"), created("span", { className: "value" })];
+    const name = created("span");
+    const shown = created("span", { className: "value" });
     const row = { label, input, name, shown, play, plays: false };
     row.show = show ?? ((given) => `${digits ? given.toFixed(digits) : given} ${unit}`);
     const div = created("div", { className: "slider" }, created("label", {}, name, input), shown);
@@ -87,14 +93,15 @@ class Lab {
     };
   }
 
-  // A part of the canvas below those before, with a share of its height; `draw` takes the pane. See `StagePane`.
+  // A part of the canvas below those before, with a share of its height; `draw` takes the pane.
+  // See `StagePane`.
   pane(share, view, draw) {
     this.panes.push(new StagePane(this, share, view, draw));
     return this.panes.at(-1);
   }
 
-  // A thing to drag at the point `at()` of a pane. `moved` takes the point to which it goes, and from an arrow key,
-  // which moves it by `step`, also 1 (right, up) or -1; with Shift 10 or -10.
+  // A thing to drag at the point `at()` of a pane. `moved` takes the point to which it goes, and
+  // from an arrow key, which moves it by `step`, also 1 (right, up) or -1; with Shift 10 or -10.
   knob(label, { pane = this.panes[0], at, moved, step = 0.05, small = false }) {
     const knob = created("button", { type: "button", className: small ? "small knob" : "knob" });
     const change = (...to) => {
@@ -117,7 +124,8 @@ class Lab {
     this.scene.append(knob);
   }
 
-  // Lines drawn on a pane with mouse, pen or finger: `drawn` takes the points so far, and whether the line ends.
+  // Lines drawn on a pane with mouse, pen or finger: `drawn` takes the points so far,
+  // and whether the line ends.
   pen(pane, drawn) {
     const { canvas } = this;
     let points;
@@ -192,8 +200,9 @@ class Lab {
   }
 }
 
-// A part of the stage's canvas. `view()` is {x, y, size}: the middle of the floor in view and its height in m, and
-// `wide`, its width, if that differs; or of a chart {across, up, name, tick} as in `axes`, with both languages' names.
+// A part of the stage's canvas. `view()` is {x, y, size}: the middle of the floor in view and its
+// height in m, and `wide`, its width, if that differs; or of a chart {across, up, name, tick} as in
+// `axes`, with both languages' names.
 class StagePane extends Pane {
   constructor(lab, share, view, draw) {
     super(lab.context, lab);
@@ -268,8 +277,9 @@ function nearestOn(curve, [x, y], from, to) {
   return bounded(minimumBetween(apart, best - 0.1, best + 0.1), from, to);
 }
 
-// A pane of the floor where the head is closest to a bench, and a chart of its gap over time, where time is dragged.
-// `benchesAt(t, handles)` are the benches; `draw` adds to the chart, as up to `now.seen`, the latest time so far.
+// A pane of the floor where the head is closest to a bench, and a chart of its gap over time, where
+// time is dragged. `benchesAt(t, handles)` are the benches; `draw` adds to the chart, as up to
+// `now.seen`, the latest time so far.
 function gapPanes(lab, { time, size, benchesAt, view, draw }) {
   const now = { seen: -Infinity };
   now.update = () =>

@@ -30,8 +30,8 @@ speak(
     .find((part) => languages.includes(part)) ?? root.lang,
 );
 
-// The live scene of a stage, where a live server has this page. One is open, as all belong to one session; a button
-// opens another one again.
+// The live scene of a stage, where a live server has this page. One is open, as all belong to one
+// session; a button opens another one again.
 function openScene(stage) {
   for (const old of document.querySelectorAll("iframe")) {
     old.replaceWith(old.closest(".experiment").querySelector(".main").cloneNode(true));
@@ -103,7 +103,8 @@ for (const lesson of document.querySelectorAll(".lesson")) {
   });
 }
 
-// In a frame, a link to a part of this page could load the page around it: one of `srcdoc` has no address of its own.
+// In a frame, a link to a part of this page could load the page around it:
+// one of `srcdoc` has no address of its own.
 for (const link of window === top ? [] : document.querySelectorAll("a[href^='#']")) {
   link.addEventListener("click", (event) => {
     event.preventDefault();
