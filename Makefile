@@ -161,17 +161,25 @@ KIND ?=
 fuzz: $(VENV)/tools ## run CASES random cases of each kind: command lines, files, wrong arguments (3000 at most)  [5000]
 	FUZZ_CASES=$(CASES) $(BIN)/python -m pytest -q -s tests/fuzz -k 'no_case_fails$(if $(KIND), and ($(KIND)))'
 
-lint: $(VENV)/tools ## style, types, which package imports which, and which texts have no translation
+# The tools for the scripts of the pages, of exact versions; on a machine without node, scripts are not checked.
+NODE := $(shell command -v npm 2>/dev/null)
+SCRIPT_TOOLS := tests/node/node_modules/.installed
+
+$(SCRIPT_TOOLS): tests/node/package.json
+	@npm install --prefix $(<D) --no-audit --no-fund --loglevel error > /dev/null && touch $@
+
+lint: $(VENV)/tools $(if $(NODE),$(SCRIPT_TOOLS)) ## style, types, which package imports which, and which texts have no translation
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/python tests/translations.py
+	$(if $(NODE),npm run --prefix tests/node --silent lint,@echo "no node: the scripts of pages are not checked")
 
 bench: $(VENV)/tools ## measure the figures that README and the documentation quote
 	$(BIN)/python tests/bench/bench.py
 
 clean: ## remove what the targets made, but not the gallery
 	rm -rf $(VENV) .venv-* renders/*.npz renders/*.html renders/docs renders/.commands renders/.new
-	rm -rf .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
+	rm -rf tests/node/node_modules .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
