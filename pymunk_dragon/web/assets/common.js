@@ -2,21 +2,29 @@
 
 const TURN = 2 * Math.PI;
 
-const element = (id) => document.getElementById(id);
+/** @type {<K extends string & keyof PageElements>(id: K) => PageElements[K]} */
+const element = (id) => /** @type {any} */ (document.getElementById(id));
 
 // Set a property only if it changes: a change costs the browser more than drawing does.
+/** @type {(target: any, name: string, value: unknown) => void} */
 function write(target, name, value) {
   if (target[name] !== value) target[name] = value;
 }
 
+/** @type {(id: string, text: string) => void} */
 const setText = (id, text) => write(element(id), "textContent", text);
 
+/**
+ * @type {<K extends keyof HTMLElementTagNameMap>(tag: K, properties?: object, ...children: (Node
+ *   | string)[]) => HTMLElementTagNameMap[K]}
+ */
 function created(tag, properties = {}, ...children) {
   const made = Object.assign(document.createElement(tag), properties);
   made.append(...children);
   return made;
 }
 
+/** @type {(blob: Blob, name: string) => void} */
 function download(blob, name) {
   const link = document.createElement("a");
   link.href = URL.createObjectURL(blob);
@@ -27,35 +35,42 @@ function download(blob, name) {
 }
 
 // Replace the address of the page, or a part of it.
+/** @type {(address: string) => void} */
 function rememberAddress(address) {
   try {
     history.replaceState(null, "", address);
   } catch (error) {
     // A page in a frame may have no address of its own, or may not change it.
-    if (error.name !== "SecurityError") throw error;
+    if (!(error instanceof DOMException && error.name === "SecurityError")) throw error;
   }
 }
 
 // The smallest of 1, 2 or 5 times a power of ten that is not below a value.
+/** @type {(value: number) => number} */
 function roundUp(value) {
   const power = 10 ** Math.floor(Math.log10(value));
-  return [1, 2, 5, 10].find((digit) => digit * power >= value) * power;
+  return ([1, 2, 5].find((digit) => digit * power >= value) ?? 10) * power;
 }
 
+/** @type {(number: number) => string} */
 const signed = (number) => String(number).replace("-", "−");
 
 // Values at equal distances, both limits included.
+/** @type {(from: number, to: number, count: number) => number[]} */
 function range(from, to, count) {
   return Array.from({ length: count + 1 }, (_, i) => from + (count && ((to - from) * i) / count));
 }
 
 // Rows of an array of numbers, as arrays.
+/** @param {Float32Array | Float64Array} numbers @param {number} size */
 function* rowsOf(numbers, size) {
   for (let k = 0; k < numbers.length; k += size) yield numbers.subarray(k, k + size);
 }
 
 // The nearest item within a distance, by items and distances; null if there is none.
+/** @type {<T>(slip: number, items: T[], distanceOf: (item: T) => number) => T | null} */
 function nearestWithin(slip, items, distanceOf) {
+  /** @type {any} */
   let found = null;
   let nearest = slip;
   for (const item of items) {
@@ -68,11 +83,15 @@ function nearestWithin(slip, items, distanceOf) {
   return found;
 }
 
+/** @type {(value: number, least: number, most: number) => number} */
 const bounded = (value, least, most) => Math.min(Math.max(value, least), most);
 
 // Call `action` with the newest value, at most once in `interval` ms.
+/** @type {<T>(action: (newest: T) => void, interval: number) => (value: T) => void} */
 function throttled(action, interval) {
+  /** @type {number | null} */
   let timer = null;
+  /** @type {any} */
   let newest;
   let last = -interval;
   const run = () => {

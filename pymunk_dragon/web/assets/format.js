@@ -8,9 +8,11 @@ const NEAR_MISS_TIME = 0.05; // s: a time this close to a near miss counts as th
 const MAX_EVENTS = 3; // most events in a description
 
 // Known decimals of a number with an error: the last one is worth no less than the error.
+/** @type {(error: number) => number} */
 const decimals = (error) => Math.max(0, Math.floor(-Math.log10(error)));
 
 // A length in m with an error in m.
+/** @type {(metres: number, error: number) => string} */
 function formatLength(metres, error) {
   if (metres >= 1) return `${metres.toFixed(Math.min(DECIMALS_M, decimals(error)))} m`;
   const length = 1000 * metres;
@@ -23,12 +25,14 @@ function formatLength(metres, error) {
 
 // A position error in m with an error in m: in micrometres
 // if it is small and known to a micrometre.
+/** @type {(metres: number, error: number) => string} */
 function formatError(metres, error) {
   if (metres >= SMALL_ERROR || error >= 1e-6) return formatLength(metres, error);
   return `${(1e6 * metres).toFixed(decimals(1e6 * error))} μm`;
 }
 
 // Numbers of one bench: velocity and speed in m/s, angle in degrees, gap and its error in m.
+/** @type {(benches: Benches<MovingBenches>, bench: number, time: number) => BenchNumbers} */
 function benchNumbers(benches, bench, time) {
   const { motion, poses } = benches;
   const velocities = motion.velocitiesOf(poses);
@@ -51,6 +55,7 @@ function benchNumbers(benches, bench, time) {
   };
 }
 
+/** @type {(numbers: BenchNumbers) => Texts} */
 function formatNumbers({ part, speed, angle, gap, nearest, error }) {
   return {
     part,
@@ -61,16 +66,18 @@ function formatNumbers({ part, speed, angle, gap, nearest, error }) {
         ? "–"
         : gap <= 0
           ? localized("touches {i}", { i: nearest })
-          : localized("{gap} to {i}", { gap: formatLength(gap, error), i: nearest }),
+          : localized("{gap} to {i}", { gap: formatLength(gap, error ?? 0), i: nearest }),
   };
 }
 
 // A speed in simulated over real time: whole numbers, and below 1 the next larger of 1/2, 1/4,
 // 1/8, ...
+/** @type {(rate: number) => string} */
 function formatRate(rate) {
   return rate >= 1 ? `${Math.round(rate)}×` : `1/${2 ** Math.floor(-Math.log2(rate) + 1e-9)}×`;
 }
 
+/** @type {(time: number, events: RunEvent[]) => string} */
 function describeTime(time, events) {
   const now = events.filter((event) =>
     event.kind === "contact"

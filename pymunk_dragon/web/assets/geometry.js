@@ -4,7 +4,9 @@
 const CELL_SLACK = 1e-8;
 
 // Poses as columns, with cosines and sines; `poseOf` returns x, y and angle of a body.
+/** @type {(count: number, poseOf: (i: number) => Iterable<number>) => Poses} */
 function posesFrom(count, poseOf) {
+  /** @type {Poses} */
   const poses = { x: [], y: [], angle: [], cos: [], sin: [] };
   for (let i = 0; i < count; i++) {
     [poses.x[i], poses.y[i], poses.angle[i]] = poseOf(i);
@@ -15,6 +17,7 @@ function posesFrom(count, poseOf) {
 }
 
 // Poses of benches between their handles.
+/** @type {(handles: Numbers[]) => Poses} */
 function posesBetween(handles) {
   return posesFrom(handles.length - 1, (i) => {
     const [fx, fy] = handles[i];
@@ -25,9 +28,14 @@ function posesBetween(handles) {
 
 // Benches at their poses; `motion` has their number `benches` and their `lengths`,
 // `widths` and `spacings`.
+/** @template {BenchSizes} [M=any] */
 class Benches {
+  /** @param {M} motion @param {Poses} poses */
   constructor(motion, poses) {
-    Object.assign(this, { motion, poses });
+    this.motion = motion;
+    this.poses = poses;
+    /** @type {Point[] | undefined} */
+    this.cachedHandles = undefined;
   }
 
   // Positions of the handles: handle i is the front hole of bench i,
@@ -40,6 +48,7 @@ class Benches {
   }
 
   // The front hole of bench `i`, or with the side -1 the rear one.
+  /** @type {(i: number, side: number) => Point} */
   hole(i, side) {
     const { x, y, cos, sin } = this.poses;
     const half = (side * this.motion.spacings[i]) / 2;
@@ -47,6 +56,7 @@ class Benches {
   }
 
   // Corners: rear right, front right, front left, rear left.
+  /** @type {(i: number) => Point[]} */
   corners(i) {
     const { x, y, cos, sin } = this.poses;
     const along = this.motion.lengths[i] / 2;
@@ -60,6 +70,7 @@ class Benches {
   }
 
   // Point of bench `i` that is closest to a point, and the distance; 0 within the bench.
+  /** @type {(i: number, point: Numbers) => { distance: number, point: Point }} */
   nearestPoint(i, [px, py]) {
     const { x, y, cos, sin } = this.poses;
     const dx = px - x[i];
@@ -79,6 +90,7 @@ class Benches {
 
   // Gaps between the shadows of two benches along and across the first, and the second;
   // negative where they overlap.
+  /** @type {(i: number, j: number) => number[]} */
   axisGaps(i, j) {
     const { x, y, cos, sin } = this.poses;
     const { lengths, widths } = this.motion;
@@ -86,9 +98,11 @@ class Benches {
     const dy = y[j] - y[i];
     const c = Math.abs(cos[i] * cos[j] + sin[i] * sin[j]);
     const s = Math.abs(cos[i] * sin[j] - sin[i] * cos[j]);
+    /** @type {(own: number, other: number) => number} */
     const along = (own, other) =>
       Math.abs(dx * cos[own] + dy * sin[own]) -
       (lengths[own] + c * lengths[other] + s * widths[other]) / 2;
+    /** @type {(own: number, other: number) => number} */
     const across = (own, other) =>
       Math.abs(dy * cos[own] - dx * sin[own]) -
       (widths[own] + s * lengths[other] + c * widths[other]) / 2;
@@ -98,8 +112,10 @@ class Benches {
   // The gap between two benches, and its two ends. Rectangles that do not overlap are closest at a
   // corner of one of them. The gap of two that overlap is negative: the shortest way that parts
   // them (separating axis theorem).
+  /** @type {(i: number, j: number) => Gap} */
   gap(i, j) {
-    let found = { gap: Infinity };
+    /** @type {Gap} */
+    let found = { gap: Infinity, ends: [] };
     for (const [own, other] of [
       [i, j],
       [j, i],
@@ -116,9 +132,11 @@ class Benches {
 
   // The bench closest to bench `i` among those that are not its neighbours, of the first `count`,
   // with the gap; `found` if that is a smaller one.
+  /** @type {(i: number, found?: NearestBench | null, count?: number) => NearestBench | null} */
   nearest(i, found = null, count = this.motion.benches) {
     const { x, y } = this.poses;
     const { lengths, widths } = this.motion;
+    /** @type {(k: number) => number} */
     const reach = (k) => Math.sqrt(lengths[k] ** 2 + widths[k] ** 2) / 2;
     for (let j = 0; j < count; j++) {
       if (Math.abs(i - j) <= 1) continue;
@@ -133,6 +151,7 @@ class Benches {
   }
 
   // The bench within `slip` m of a point; the lowest number if the point is on several.
+  /** @type {(point: Numbers, slip: number) => number | null} */
   at(point, slip) {
     const last = this.motion.benches - 1;
     return nearestWithin(slip, range(0, last, last), (i) => this.nearestPoint(i, point).distance);
@@ -140,6 +159,7 @@ class Benches {
 
   // Grid cells [row, column] that bench `i` touches or covers: rows count downward,
   // columns to the right.
+  /** @type {(i: number, grid: Grid) => Point[]} */
   cells(i, { cell, origin }) {
     const { x, y, cos, sin } = this.poses;
     const u = (x[i] - origin[0]) / cell;
@@ -150,6 +170,7 @@ class Benches {
     const s = Math.abs(sin[i]);
     const reachU = along * c + across * s + CELL_SLACK;
     const reachV = along * s + across * c + CELL_SLACK;
+    /** @type {Point[]} */
     const cells = [];
     for (let row = Math.floor(v - reachV); row <= Math.floor(v + reachV); row++) {
       for (let column = Math.floor(u - reachU); column <= Math.floor(u + reachU); column++) {

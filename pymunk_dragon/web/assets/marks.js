@@ -20,6 +20,7 @@ const GHOST_SHARE = 0.16; // largest width of the lines over that of a bench
 const THINNEST_GHOST = 0.75; // pixels
 const RIMMED_BENCH = 10; // pixels: width of a bench from which on the lines have a rim
 
+/** @type {(painter: Painter, benches: Benches<DrawnBenches>, visible: number[]) => void} */
 function drawHandles(painter, benches, visible) {
   const { context, colours, view } = painter;
   const radius = Math.max(SMALLEST_HANDLE, HANDLE_SIZE * painter.payload.dragon.hole * view.scale);
@@ -27,6 +28,10 @@ function drawHandles(painter, benches, visible) {
   strokeOnce(context, path, colours.text, Math.min(1.25, 0.4 * radius));
 }
 
+/**
+ * @type {(painter: Painter<MovingBenches>, benches: Benches<MovingBenches>, visible: number[]) =>
+ *   void}
+ */
 function drawVelocities(painter, benches, visible) {
   const { context, colours, motion, view } = painter;
   const velocities = motion.velocitiesOf(benches.poses);
@@ -42,6 +47,7 @@ function drawVelocities(painter, benches, visible) {
 }
 
 // An arrow from a pixel along a vector in pixels.
+/** @type {(path: Path2D, from: Point, dx: number, dy: number) => void} */
 function addArrow(path, [px, py], dx, dy) {
   const length = Math.hypot(dx, dy);
   const head = Math.min(LONGEST_HEAD, 0.5 * length);
@@ -58,12 +64,17 @@ function addArrow(path, [px, py], dx, dy) {
 }
 
 // Numbers in the benches.
+/**
+ * @type {(painter: Painter, benches: Benches<DrawnBenches>, visible: number[], inContact:
+ *   Set<number>) => void}
+ */
 function drawNumbers(painter, benches, visible, inContact) {
   const { context, colours, motion, view } = painter;
   const { x, y, angle } = benches.poses;
   const thickness = motion.narrowest * view.scale;
   if (thickness < NUMBERED_BENCH) {
     painter.setFont("600 12px", "center", "middle");
+    /** @type {Point[]} */
     const labelled = [];
     for (const i of visible.toReversed()) {
       if (i % NUMBER_EVERY && i !== motion.benches - 1 && !inContact.has(i)) continue;
@@ -96,6 +107,10 @@ function drawNumbers(painter, benches, visible, inContact) {
   }
 }
 
+/**
+ * @type {(painter: Painter, time: number, benches: Benches<DrawnBenches>, touching: { benches:
+ *   Pair }[]) => void}
+ */
 function drawContacts(painter, time, benches, touching) {
   const { view } = painter;
   for (const { benches: two } of touching) {
@@ -112,12 +127,13 @@ function drawContacts(painter, time, benches, touching) {
       gap: formatLength(miss.gap, 0),
       time: miss.time.toFixed(2),
     });
-    drawLabel(painter, label, ...middle);
+    drawLabel(painter, label, middle[0], middle[1]);
   }
 }
 
 // Text beside a point: at the right, at the left if there is no room,
 // and otherwise as far to the right as there is.
+/** @type {(painter: Painter, text: string, px: number, py: number) => void} */
 function drawLabel(painter, text, px, py) {
   const { context, view } = painter;
   painter.setFont("600 13px", "left", "middle");
@@ -129,6 +145,7 @@ function drawLabel(painter, text, px, py) {
   painter.drawText(text, beside ?? Math.max(0, rightmost), py - LABEL_OFFSET);
 }
 
+/** @type {(painter: Painter, pixel: Numbers, inner?: number) => void} */
 function drawRing({ context, colours }, [px, py], inner = 0) {
   const path = new Path2D();
   path.arc(px, py, Math.max(RING, 1.6 * inner), 0, TURN);
@@ -136,6 +153,7 @@ function drawRing({ context, colours }, [px, py], inner = 0) {
 }
 
 // Outlines of the exact benches `chosen` of `ghosts`, on top of the others.
+/** @type {(painter: Painter, ghosts: Benches<DrawnBenches>, chosen: number[]) => void} */
 function drawGhosts(painter, ghosts, chosen) {
   const { context, colours, view } = painter;
   const path = new Path2D();

@@ -10,18 +10,29 @@ const THINNEST_OUTLINE = 0.5; // pixels
 const HEAD_BORDER = 3; // times: border of the head in contact
 const THICKEST_OUTLINE = 1.25; // pixels
 
+/** @template {DrawnBenches} [M=any] */
 class Painter {
+  /**
+   * @param {HTMLCanvasElement} canvas @param {M} motion @param {View} view @param {Payload}
+   *   payload @param {ArrayLike<number>} curve
+   */
   constructor(canvas, motion, view, payload, curve) {
-    const context = canvas.getContext("2d", { alpha: false });
-    // The curve in m: x0, y0, x1, y1, ...
-    Object.assign(this, { canvas, context, motion, view, payload, curve });
+    this.canvas = canvas;
+    this.context = /** @type {CanvasRenderingContext2D} */ (
+      canvas.getContext("2d", { alpha: false })
+    );
+    this.motion = motion;
+    this.view = view;
+    this.payload = payload;
+    this.curve = curve; // in m: x0, y0, x1, y1, ...
     this.curveError = payload.curve_error;
-    this.readColours();
+    this.colours = readColours();
+    this.font = fontOf(document.body);
   }
 
   readColours() {
     this.colours = readColours();
-    this.font = getComputedStyle(document.body).fontFamily;
+    this.font = fontOf(document.body);
   }
 
   resize() {
@@ -36,6 +47,7 @@ class Painter {
   }
 
   // Numbers of the benches in the view, from the tail to the head.
+  /** @type {(benches: { poses: Poses }) => number[]} */
   visible({ poses: { x, y } }) {
     const { view, motion } = this;
     const found = [];
@@ -54,6 +66,7 @@ class Painter {
     );
     const path = new Path2D();
     const last = curve.length / 2 - 1;
+    /** @type {number | null} */
     let drawn = null; // the point up to which the curve is drawn
     for (let from = 0; from < last; from += stride) {
       const to = Math.min(from + stride, last);
@@ -70,6 +83,7 @@ class Painter {
     strokeOnce(context, path, this.colours.curve, width);
   }
 
+  /** @type {(path: Path2D, benches: Benches<DrawnBenches>, i: number) => void} */
   outline(path, benches, i) {
     const [first, ...rest] = benches.corners(i);
     path.moveTo(...this.view.toScreen(...first));
@@ -77,14 +91,17 @@ class Painter {
     path.closePath();
   }
 
+  /** @type {(benches: Benches<DrawnBenches>, visible: number[], inContact: Set<number>) => void} */
   drawBenches(benches, visible, inContact) {
     const { context, colours, motion, view } = this;
     const tail = motion.benches - 1;
+    /** @type {(i: number) => boolean} */
     const special = (i) => i === 0 || i === tail || inContact.has(i);
     const thin = Math.min(
       Math.max(OUTLINE_WIDTH * motion.narrowest * view.scale, THINNEST_OUTLINE),
       THICKEST_OUTLINE,
     );
+    /** @type {(chosen: number[], border?: string, width?: number) => void} */
     const paint = (chosen, border = colours.ink, width = thin) => {
       if (!chosen.length) return;
       const path = new Path2D();
@@ -103,6 +120,10 @@ class Painter {
     if (2 * radius >= SMALLEST_HOLE) this.drawHoles(benches, visible, radius, colours.ink);
   }
 
+  /**
+   * @type {(benches: Benches<DrawnBenches>, visible: number[], radius: number, colour: string) =>
+   *   Path2D}
+   */
   drawHoles(benches, visible, radius, colour) {
     const { context, view } = this;
     const path = new Path2D();
@@ -117,6 +138,7 @@ class Painter {
   }
 
   // The highlighted bench is drawn on top, with an outline.
+  /** @type {(benches: Benches<DrawnBenches>, i: number, inContact: Set<number>) => void} */
   drawPointed(benches, i, inContact) {
     const { context, colours } = this;
     const path = new Path2D();
@@ -128,6 +150,7 @@ class Painter {
   }
 
   // The head keeps its colour in contact, and gets a border in the colour of the contact.
+  /** @type {(i: number, inContact: Set<number>) => string} */
   colourOf(i, inContact) {
     const { contact, head, tail, body } = this.colours;
     return i === 0
@@ -139,11 +162,15 @@ class Painter {
           : body;
   }
 
+  /**
+   * @type {(font: string, textAlign: CanvasTextAlign, textBaseline: CanvasTextBaseline) => void}
+   */
   setFont(font, textAlign, textBaseline) {
     Object.assign(this.context, { font: `${font} ${this.font}`, textAlign, textBaseline });
   }
 
   // Text with a rim of the background's colour.
+  /** @type {(text: string, px: number, py: number) => void} */
   drawText(text, px, py) {
     const { context, colours } = this;
     context.strokeStyle = colours.background;
@@ -155,11 +182,19 @@ class Painter {
 }
 
 // A line with a rim of the background's colour.
+/**
+ * @type {(context: CanvasRenderingContext2D, path: Path2D, rim: string, colour: string, width:
+ *   number, rimWidth?: number) => void}
+ */
 function strokeTwice(context, path, rim, colour, width, rimWidth = 1) {
   strokeOnce(context, path, rim, width + 2 * rimWidth);
   strokeOnce(context, path, colour, width);
 }
 
+/**
+ * @type {(context: CanvasRenderingContext2D, path: Path2D, colour: string, width: number) =>
+ *   void}
+ */
 function strokeOnce(context, path, colour, width) {
   context.strokeStyle = colour;
   context.lineWidth = width;

@@ -20,6 +20,7 @@ const CANVAS_COLOURS = [
 const PAGE_COLOURS = ["quiet", "rule", "any"];
 
 // The colours by name; `text` is that of the page's texts.
+/** @type {() => Colours} */
 function readColours() {
   const { style } = document.body;
   const names = [...CANVAS_COLOURS.map((name) => `canvas-${name}`), ...PAGE_COLOURS, "ink"];
@@ -34,8 +35,15 @@ function readColours() {
   );
 }
 
+/** @type {(element: Element) => string} */
+const fontOf = (element) => getComputedStyle(element).fontFamily;
+
 // Match a canvas to the pixels of the screen; returns its size in those of the page,
 // in which one draws then.
+/**
+ * @type {(canvas: HTMLCanvasElement, context: CanvasRenderingContext2D) => { width: number,
+ *   height: number }}
+ */
 function fitCanvas(canvas, context) {
   const { width, height } = canvas.getBoundingClientRect();
   const ratio = window.devicePixelRatio || 1;
@@ -52,13 +60,26 @@ function fitCanvas(canvas, context) {
 // and `height`; there the point (x0, y0) is at the pixel (left, ceiling), and a unit is `sx` and
 // `sy` pixels along the axes. Texts have `size` pixels.
 class Pane {
+  /** @param {CanvasRenderingContext2D} context @param {Look} look */
   constructor(context, look) {
-    Object.assign(this, { context, look, size: 13 });
+    this.context = context;
+    this.look = look;
+    this.size = 13;
+    this.top = 0;
+    this.width = 1;
+    this.height = 1;
+    this.x0 = 0;
+    this.y0 = 0;
+    this.sx = 1;
+    this.sy = 1;
+    this.left = 0;
+    this.ceiling = 0;
   }
 
   // Axes of a chart with the ranges `across` and `up`; what is drawn next is clipped to them.
   // `tick` writes a value, and those of the vertical axis are at least `apart` pixels apart. Only a
   // chart with a name has values below it.
+  /** @type {(axes: ChartAxes) => void} */
   axes({
     across: [x0, x1],
     up: [y0, y1],
@@ -104,21 +125,26 @@ class Pane {
     this.context.clip();
   }
 
+  /** @type {(point: Numbers) => Point} */
   toScreen([x, y]) {
     return [this.left + (x - this.x0) * this.sx, this.ceiling + (this.y0 - y) * this.sy];
   }
 
+  /** @type {(pixel: Numbers) => Point} */
   toWorld([px, py]) {
     return [this.x0 + (px - this.left) / this.sx, this.y0 - (py - this.ceiling) / this.sy];
   }
 
+  /** @type {(name: string) => string} */
   colour(name) {
     return this.look.colours[name] ?? name;
   }
 
   // A path through points; one that is not finite interrupts it.
+  /** @type {(points: Iterable<Numbers>) => Path2D} */
   path(points) {
     const path = new Path2D();
+    /** @type {"moveTo" | "lineTo"} */
     let next = "moveTo";
     for (const point of points) {
       const [px, py] = this.toScreen(point);
@@ -129,6 +155,10 @@ class Pane {
     return path;
   }
 
+  /**
+   * @type {(points: Iterable<Numbers>, look?: { colour?: string, width?: number, dash?: number[]
+   *   }) => void}
+   */
   line(points, { colour = "text", width = 1, dash = [] } = {}) {
     const { context } = this;
     Object.assign(context, { strokeStyle: this.colour(colour), lineWidth: width });
@@ -137,6 +167,7 @@ class Pane {
     context.setLineDash([]);
   }
 
+  /** @type {(points: Iterable<Numbers>, look: { colour: string, alpha?: number }) => void} */
   fill(points, { colour, alpha = 1 }) {
     const { context } = this;
     Object.assign(context, { fillStyle: this.colour(colour), globalAlpha: alpha });
@@ -145,6 +176,7 @@ class Pane {
   }
 
   // A dot with a radius in pixels.
+  /** @type {(point: Numbers, look?: { colour?: string, radius?: number }) => void} */
   dot(point, { colour = "text", radius = 4 } = {}) {
     const { context } = this;
     context.beginPath();
@@ -159,6 +191,10 @@ class Pane {
   }
 
   // A text with a rim, moved by pixels.
+  /**
+   * @type {(point: Numbers, text: string, look?: { dx?: number, dy?: number, align?:
+   *   CanvasTextAlign, colour?: string }) => void}
+   */
   text(point, text, { dx = 0, dy = 0, align = "center", colour = "text" } = {}) {
     const { context } = this;
     const [px, py] = this.toScreen(point);
@@ -178,6 +214,7 @@ class Pane {
 }
 
 // Round numbers between two limits, not more than `density` for each 1.
+/** @type {(first: number, last: number, density: number) => number[]} */
 function ticks(first, last, density) {
   const step = roundUp(1 / density);
   const from = Math.ceil(first / step - 1e-9);

@@ -5,6 +5,7 @@ const WHEEL_ZOOM = 0.0016; // exponent of the zoom per pixel of the wheel
 const WHEEL_LINE = 16; // pixels: a line of wheels that count lines
 
 // Position of an event on the canvas.
+/** @type {(canvas: HTMLElement, event: MouseEvent) => Point} */
 function pixelOf(canvas, { clientX, clientY }) {
   const { left, top } = canvas.getBoundingClientRect();
   return [clientX - left, clientY - top];
@@ -12,11 +13,13 @@ function pixelOf(canvas, { clientX, clientY }) {
 
 // `taken` returns whether a pointer that goes down takes hold of something; its movements are then
 // `carried` instead of panning the view, until it is `dropped`.
+/** @type {(canvas: HTMLCanvasElement, view: Zoomed, pointers: Pointers) => void} */
 function listenToPointers(
   canvas,
   view,
-  { moved, hovered, tapped, taken = () => false, carried, dropped },
+  { moved, hovered, tapped, taken = () => false, carried = () => {}, dropped = () => {} },
 ) {
+  /** @type {Map<number, { start: Point, now: Point }>} */
   const down = new Map();
   let slipped = false;
   let holds = false;
@@ -24,8 +27,11 @@ function listenToPointers(
     if (holds) dropped();
     holds = false;
   };
+  /** @type {(event: MouseEvent) => Point} */
   const position = (event) => pixelOf(canvas, event);
+  /** @type {(two: Point[]) => number} */
   const spread = ([a, b]) => Math.hypot(a[0] - b[0], a[1] - b[1]);
+  /** @type {(two: Point[]) => Point} */
   const middle = ([a, b]) => [(a[0] + b[0]) / 2, (a[1] + b[1]) / 2];
 
   canvas.addEventListener("pointerdown", (event) => {
@@ -65,6 +71,7 @@ function listenToPointers(
       moved("pinch");
     }
   });
+  /** @type {(event: PointerEvent) => void} */
   const up = (event) => {
     const tap = down.delete(event.pointerId) && !slipped && !holds && event.type === "pointerup";
     drop();
@@ -76,6 +83,7 @@ function listenToPointers(
   listenToWheel(canvas, view, moved);
 }
 
+/** @type {(canvas: HTMLElement, view: Zoomed, moved: (how: string) => void) => void} */
 function listenToWheel(canvas, view, moved) {
   canvas.addEventListener(
     "wheel",

@@ -8,11 +8,17 @@ const MODIFIERS = /^(control|meta|alt)$/;
 
 // Pages add `tick`, which draws, `afterChange`, which is called after a change, and `playing`.
 class Stage {
+  /** @param {View} view @param {string[]} switches @param {string[]} shown */
   constructor(view, switches, shown) {
     this.view = view;
+    /** @type {string | null} */
     this.follow = "field"; // or "head", or null for a fixed view
+    /** @type {Record<string, boolean>} */
     this.shown = Object.fromEntries(switches.map((name) => [name, shown.includes(name)]));
+    /** @type {Point | null} */
     this.pixel = null; // position of the mouse
+    /** @type {number | null} */
+    this.frameRequest = null;
   }
 
   requestDraw() {
@@ -23,11 +29,13 @@ class Stage {
   }
 
   // Before drawing: what the view follows.
+  /** @type {(poses: Poses) => void} */
   followSubject({ x, y }) {
     if (this.follow === "field") this.view.fit();
     if (this.follow === "head") [this.view.x, this.view.y] = [x[0], y[0]];
   }
 
+  /** @type {(subject: string) => void} */
   setFollow(subject) {
     this.follow = subject;
     // A closer view stays as it is.
@@ -35,12 +43,14 @@ class Stage {
     this.afterChange();
   }
 
+  /** @type {(factor: number) => void} */
   zoom(factor) {
     this.view.zoom(factor);
     if (this.follow === "field") this.follow = null;
     this.afterChange();
   }
 
+  /** @type {(right: number, down: number) => void} */
   pan(right, down) {
     this.view.pan(-right * PAN_STEP * this.view.width, -down * PAN_STEP * this.view.height);
     this.viewMoved("pan");
@@ -48,21 +58,24 @@ class Stage {
 
   // The user has moved the view, which then follows nothing,
   // but zooming while playing keeps the head centred.
+  /** @type {(how: string) => void} */
   viewMoved(how) {
     if (!(how === "zoom" && this.playing && this.follow === "head")) this.follow = null;
     this.afterChange();
   }
 
   showView() {
-    element("fit").setAttribute("aria-pressed", this.follow === "field");
-    element("follow").setAttribute("aria-pressed", this.follow === "head");
+    element("fit").setAttribute("aria-pressed", String(this.follow === "field"));
+    element("follow").setAttribute("aria-pressed", String(this.follow === "head"));
     for (const [name, shown] of Object.entries(this.shown)) element(`show-${name}`).checked = shown;
   }
 }
 
 // Connect the controls that both pages have. A page adds buttons and keys with their actions, and
 // `takes`, which returns whether an event of the keyboard is handled already.
+/** @type {(stage: Stage, controls: StageControls) => void} */
 function connectStage(stage, { buttons, keys, pointers, takes }) {
+  /** @type {Actions} */
   const actions = {
     "zoom-in": () => stage.zoom(ZOOM_STEP),
     "zoom-out": () => stage.zoom(1 / ZOOM_STEP),
@@ -75,8 +88,9 @@ function connectStage(stage, { buttons, keys, pointers, takes }) {
   };
   for (const [id, action] of Object.entries(actions)) element(id).addEventListener("click", action);
   for (const name of Object.keys(stage.shown)) {
-    element(`show-${name}`).addEventListener("change", ({ target }) => {
-      stage.shown[name] = target.checked;
+    const box = element(`show-${name}`);
+    box.addEventListener("change", () => {
+      stage.shown[name] = box.checked;
       stage.afterChange();
     });
   }
@@ -108,13 +122,16 @@ function connectStage(stage, { buttons, keys, pointers, takes }) {
 }
 
 // Keys that click an element, unless it is hidden.
+/** @type {() => Actions} */
 function keysOfElements() {
+  /** @type {(each: HTMLElement) => () => void} */
   const click = (each) => () => each.checkVisibility() && each.click();
   return Object.fromEntries(
     withKeys().map(([each, key]) => [key === "Space" ? " " : key.toLowerCase(), click(each)]),
   );
 }
 
+/** @type {(actions: Actions, takes?: Takes) => void} */
 function listenToKeys(actions, takes = () => false) {
   let tabbed = false; // Whether a key has moved the focus, and not the pointer.
   document.addEventListener(
@@ -143,6 +160,7 @@ function listenToKeys(actions, takes = () => false) {
 
 // Keys that an element uses itself. The space bar is that
 // of an element which a key has reached, and not a click.
+/** @type {(target: any, key: string, tabbed: boolean) => boolean} */
 function keepsKey(target, key, tabbed) {
   if (target.matches("input[type=number]")) return true;
   if (key === " ") {
@@ -160,6 +178,7 @@ function keepsKey(target, key, tabbed) {
 }
 
 // Show why a page does not work.
+/** @type {(error: { message: string }) => void} */
 function showFailure({ message }) {
   element("failure").hidden = false;
   setText(

@@ -1,30 +1,37 @@
 // Languages of the page: its texts are English, and the
 // page has a catalogue from English to each other language.
 
+/** @type {Record<string, Texts>} */
 const CATALOGUES = { en: {}, ...JSON.parse(element("texts").textContent) };
 // Elements without texts of the page.
 const UNTRANSLATED = "script, style, svg, canvas, kbd, code, [translate=no]";
 const HAS_LETTERS = /\p{L}/u;
+/** @type {Texts} */
 const LANGUAGE_NAMES = { en: "English", zh: "中文" };
+/** @type {Texts} */
 const KEY_SIGNS = { ArrowLeft: "←", ArrowRight: "→", ArrowUp: "↑", ArrowDown: "↓", "-": "−" };
 const TRANSLATED_ATTRIBUTES = ["aria-label", "title"];
 
 let language = "en";
 
 // A text in the page's language, if the catalogue has it.
+/** @type {(english: string) => string} */
 const translated = (english) => CATALOGUES[language][english] ?? english;
 
+/** @type {(template: string, values: Values) => string} */
 const fill = (template, values) =>
   template.replace(/\{(\w+)\}/g, (field, name) => values[name] ?? field);
 
 // The same of a text of the scripts, with values for its {fields}.
+/** @type {(english: string, values?: Values) => string} */
 const localized = (english, values = {}) => fill(translated(english), values);
 
 // The language that a part of the address chooses, as lang=zh or zh.
+/** @type {(part: string) => string | undefined} */
 function languageIn(part) {
   const query = new URLSearchParams(part.slice(1));
   const name = query.get("lang") ?? Object.keys(CATALOGUES).find((each) => query.has(each));
-  return Object.hasOwn(CATALOGUES, name) ? name : undefined;
+  return name && Object.hasOwn(CATALOGUES, name) ? name : undefined;
 }
 
 // Without a choice in #lang=zh: that in ?lang=zh or ?zh,
@@ -33,6 +40,7 @@ const DEFAULT_LANGUAGE = languageIn(location.search) ?? document.documentElement
 const chosenLanguage = () => languageIn(location.hash) ?? DEFAULT_LANGUAGE;
 
 // The innermost elements that have all parts of a sentence.
+/** @param {Element} parent @returns {Generator<Element>} */
 function* textElements(parent) {
   for (const child of parent.children) {
     if (child.matches(UNTRANSLATED)) continue;
@@ -43,15 +51,17 @@ function* textElements(parent) {
 }
 
 // Elements that a key clicks, with the key.
+/** @type {() => [HTMLElement, string][]} */
 const withKeys = () =>
-  [...document.querySelectorAll("[aria-keyshortcuts]")].map((each) => [
-    each,
-    each.getAttribute("aria-keyshortcuts"),
+  Array.from(document.querySelectorAll("[aria-keyshortcuts]"), (each) => [
+    /** @type {HTMLElement} */ (each),
+    each.getAttribute("aria-keyshortcuts") ?? "",
   ]);
 
 for (const [each] of withKeys()) each.title ||= each.ariaLabel ?? each.textContent;
 
 // The page's own texts in English, with what sets each of them.
+/** @type {[string, (text: string) => void][]} */
 const STATIC_TEXTS = [
   [
     document.title,
@@ -59,21 +69,25 @@ const STATIC_TEXTS = [
       document.title = text;
     },
   ],
-  ...Array.from(textElements(document.body), (found) => [
-    found.innerHTML.replace(/\s+/g, " ").trim(),
-    (text) => {
-      found.innerHTML = text;
-    },
-  ]),
-  ...TRANSLATED_ATTRIBUTES.flatMap((name) =>
-    Array.from(document.querySelectorAll(`[${name}]`), (found) => [
-      found.getAttribute(name),
-      (text) => found.setAttribute(name, text),
-    ]),
-  ),
 ];
 
+for (const found of textElements(document.body)) {
+  const english = found.innerHTML.replace(/\s+/g, " ").trim();
+  const set = (/** @type {string} */ text) => {
+    found.innerHTML = text;
+  };
+  STATIC_TEXTS.push([english, set]);
+}
+
+for (const name of TRANSLATED_ATTRIBUTES) {
+  for (const found of document.querySelectorAll(`[${name}]`)) {
+    const set = (/** @type {string} */ text) => found.setAttribute(name, text);
+    STATIC_TEXTS.push([found.getAttribute(name) ?? "", set]);
+  }
+}
+
 // Texts that scripts write follow from the next drawing.
+/** @type {(name: string) => void} */
 function setLanguage(name) {
   language = name;
   document.documentElement.lang = name;
@@ -100,11 +114,14 @@ function showKeys() {
   );
 }
 
+/** @type {(key: string) => string} */
 const keySign = (key) =>
   key === "Space" || key === " " ? localized("space") : (KEY_SIGNS[key] ?? key);
 
-const otherLanguage = () => Object.keys(CATALOGUES).find((each) => each !== language);
+/** @type {() => string} */
+const otherLanguage = () => Object.keys(CATALOGUES).find((each) => each !== language) ?? "en";
 
+/** @type {(playing: boolean) => void} */
 function showPlaying(playing) {
   document.body.classList.toggle("playing", playing);
   const what = playing ? localized("Pause") : localized("Play");

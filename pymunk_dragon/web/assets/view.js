@@ -7,15 +7,21 @@ const SMALLEST = 0.2; // smallest scale relative to that of the fitted view
 const BORDER = 0.04; // border of the fitted view as a fraction of its size
 
 class View {
+  /** @param {Subject} subject */
   constructor(subject) {
     this.x = this.y = 0;
     this.scale = 1; // pixels per m
     this.width = this.height = 1; // pixels
     this.top = this.right = this.bottom = 0; // pixels that the fitted view leaves free
+    this.up = 1;
+    this.headSpan = 1; // m
+    this.maxScale = 1; // pixels per m
+    this.field = subject.field;
     this.setSubject(subject);
   }
 
   // What is seen: the area of the field {centre, size}, and the widths of the benches, all in m.
+  /** @type {(subject: Subject) => void} */
   setSubject({ field, widths, narrowest, up = 1 }) {
     this.field = field;
     this.headSpan = 20 * widths[0]; // m: the head and three turns around it
@@ -34,10 +40,12 @@ class View {
     return Math.min(this.width, this.height) / this.scale;
   }
 
+  /** @param {number} metres */
   set span(metres) {
     this.scale = this.bounded(Math.min(this.width, this.height) / metres);
   }
 
+  /** @type {(scale: number) => number} */
   bounded(scale) {
     return Math.min(
       Math.max(scale, SMALLEST * Math.min(this.fittingScale, this.maxScale)),
@@ -52,6 +60,7 @@ class View {
     this.y += (this.up * (this.top - this.bottom)) / 2 / this.scale;
   }
 
+  /** @type {(x: number, y: number) => Point} */
   toScreen(x, y) {
     return [
       (x - this.x) * this.scale + this.width / 2,
@@ -59,6 +68,7 @@ class View {
     ];
   }
 
+  /** @type {(px: number, py: number) => Point} */
   toWorld(px, py) {
     return [
       this.x + (px - this.width / 2) / this.scale,
@@ -67,6 +77,7 @@ class View {
   }
 
   // Zoom around a pixel.
+  /** @type {(factor: number, px?: number, py?: number) => void} */
   zoom(factor, px = this.width / 2, py = this.height / 2) {
     const [x, y] = this.toWorld(px, py);
     this.scale = this.bounded(this.scale * factor);
@@ -76,8 +87,10 @@ class View {
   }
 
   // Move the view by pixels, within the size of the field around its centre.
+  /** @type {(dx: number, dy: number) => void} */
   pan(dx, dy) {
     const { centre, size } = this.field;
+    /** @type {(value: number, axis: number) => number} */
     const within = (value, axis) =>
       Math.min(Math.max(value, centre[axis] - size[axis]), centre[axis] + size[axis]);
     this.x = within(this.x - dx / this.scale, 0);
@@ -85,6 +98,7 @@ class View {
   }
 
   // Whether any point within `reach` m of a point is visible.
+  /** @type {(x: number, y: number, reach: number) => boolean} */
   isVisible(x, y, reach) {
     return (
       Math.abs(x - this.x) <= this.width / 2 / this.scale + reach &&

@@ -1,0 +1,206 @@
+// Types of what the scripts of pages share, beside their own classes.
+
+type Point = [number, number];
+/** Numbers of which the first are x and y, or the components of a vector. */
+type Numbers = readonly number[];
+type Range = [number, number];
+type Pair = readonly [number, number];
+
+interface Field {
+  centre: Numbers;
+  size: Numbers;
+}
+
+interface Poses {
+  x: number[];
+  y: number[];
+  angle: number[];
+  cos: number[];
+  sin: number[];
+}
+
+interface Rates {
+  vx: number[];
+  vy: number[];
+  angularRate: number[];
+}
+
+interface BenchSizes {
+  benches: number;
+  lengths: ArrayLike<number>;
+  widths: ArrayLike<number>;
+  spacings: ArrayLike<number>;
+}
+
+interface DrawnBenches extends BenchSizes {
+  narrowest: number;
+}
+
+interface MovingBenches extends DrawnBenches {
+  velocitiesOf(poses: any): Point[] | null;
+  errorAt(time: number, bench: number): number;
+}
+
+interface Gap {
+  gap: number;
+  ends: Point[];
+}
+
+interface NearestBench extends Gap {
+  bench: number;
+}
+
+interface Grid {
+  cell: number;
+  origin: Numbers;
+}
+
+interface NearMiss {
+  time: number;
+  benches: Pair;
+  gap: number;
+}
+
+interface ContactWindow {
+  begin: number;
+  end: number | null;
+  benches: Pair;
+}
+
+interface RunEvent {
+  time: number;
+  end: number;
+  kind: string;
+  readonly text: string;
+}
+
+interface Payload {
+  dragon: {
+    benches: number;
+    hole: number;
+    head_spacing: number;
+    body_spacing: number | number[];
+    overhang: number | number[];
+    width: number | number[];
+  };
+  times: number[];
+  errors: [number, number];
+  windows: ContactWindow[];
+  near_misses: NearMiss[];
+  grid: Grid | null;
+  curve_error: number;
+  [packed: string]: any;
+}
+
+/** Numbers that data.py packs, and what unpacking makes of them. */
+interface Packing {
+  frames: number;
+  points: number;
+  origin: Numbers;
+  step: number;
+  order: number;
+}
+
+interface Packed {
+  frames: number;
+  points: number;
+  origin: Numbers;
+  step: number;
+  counts: Int32Array;
+}
+
+interface Subject {
+  field: Field;
+  widths: ArrayLike<number>;
+  narrowest: number;
+  up?: number;
+}
+
+type Colours = Record<string, string>;
+type Texts = Record<string, string>;
+type Values = Record<string, any>;
+
+interface Look {
+  colours: Colours;
+  font: string;
+}
+
+interface BenchNumbers {
+  bench: number;
+  part: string;
+  velocity: Point | null;
+  speed: number | null;
+  angle: number;
+  gap: number | null;
+  nearest: number | null;
+  error: number | null;
+}
+
+interface ChartAxes {
+  across: Numbers;
+  up: Numbers;
+  name?: string;
+  tick?: (value: number) => string;
+  apart?: number;
+  margins?: { left: number; right: number; above: number; below: number };
+}
+
+interface Pointers {
+  moved(how: string): void;
+  hovered(pixel: Point | null): void;
+  tapped(pixel: Point, kind: string): void;
+  taken?(pixel: Point, kind: string): boolean;
+  carried?(pixel: Point): void;
+  dropped?(): void;
+}
+
+/** What wheel and pinch zoom around a pixel, and move by pixels. */
+interface Zoomed {
+  zoom(factor: number, px: number, py: number): void;
+  pan(dx: number, dy: number): void;
+}
+
+type Action = (event: Event) => unknown;
+type Actions = Record<string, Action>;
+type Takes = (event: KeyboardEvent) => boolean;
+
+/** What a page adds to the stage of both. */
+interface StageControls {
+  buttons: Actions;
+  keys: Actions;
+  pointers: Partial<Pointers> & Pick<Pointers, "tapped">;
+  takes?: Takes;
+}
+
+interface Stage {
+  painter: { readColours(): void };
+  readonly playing: boolean;
+  tick(now: number): void;
+  afterChange(): void;
+  setLanguage(name: string): void;
+}
+
+/** Elements that scripts find by their id. */
+interface PageElements {
+  [id: string]: HTMLElement;
+  [show: `show-${string}`]: HTMLInputElement;
+  [tool: `tool-${string}`]: HTMLInputElement;
+  [chart: `chart-${string}`]: HTMLCanvasElement;
+  about: HTMLDialogElement;
+  bench: HTMLInputElement;
+  contacts: HTMLSelectElement;
+  events: HTMLSelectElement;
+  field: HTMLCanvasElement;
+  lesson: HTMLAnchorElement;
+  "obstacle-size": HTMLInputElement;
+  rate: HTMLSelectElement;
+  save: HTMLAnchorElement;
+  scene: HTMLSelectElement;
+  slow: HTMLInputElement;
+  speed: HTMLSelectElement;
+  strip: HTMLCanvasElement;
+  time: HTMLInputElement;
+}
+
+declare var dragon: Promise<unknown>;
+declare var live: unknown;
