@@ -109,11 +109,40 @@ interface Packed {
   counts: Int32Array;
 }
 
+interface FrameMotion extends Rates {
+  x: number[];
+  y: number[];
+  angle: number[];
+}
+
+/** Pose of a bench and its rates of change. */
+interface BenchMotion {
+  x: number;
+  y: number;
+  angle: number;
+  vx: number;
+  vy: number;
+  angularRate: number;
+}
+
 interface Subject {
   field: Field;
   widths: ArrayLike<number>;
   narrowest: number;
   up?: number;
+}
+
+/** Settings of a link; those that are missing or invalid are undefined. */
+interface Link {
+  time?: number;
+  follow?: string;
+  at?: Point;
+  span?: number;
+  show?: string[];
+  bench?: number;
+  rate?: number;
+  slow: boolean;
+  plays: boolean;
 }
 
 type Colours = Record<string, string>;
@@ -187,12 +216,18 @@ interface PageElements {
   [tool: `tool-${string}`]: HTMLInputElement;
   [chart: `chart-${string}`]: HTMLCanvasElement;
   about: HTMLDialogElement;
+  back: HTMLButtonElement;
   bench: HTMLInputElement;
   contacts: HTMLSelectElement;
   events: HTMLSelectElement;
   field: HTMLCanvasElement;
+  forward: HTMLButtonElement;
+  last: HTMLButtonElement;
   lesson: HTMLAnchorElement;
+  next: HTMLButtonElement;
   "obstacle-size": HTMLInputElement;
+  play: HTMLButtonElement;
+  previous: HTMLButtonElement;
   rate: HTMLSelectElement;
   save: HTMLAnchorElement;
   scene: HTMLSelectElement;
@@ -200,6 +235,8 @@ interface PageElements {
   speed: HTMLSelectElement;
   strip: HTMLCanvasElement;
   time: HTMLInputElement;
+  "timeline-all": HTMLButtonElement;
+  "timeline-out": HTMLButtonElement;
 }
 
 declare var dragon: Promise<unknown>;

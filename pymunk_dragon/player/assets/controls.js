@@ -4,6 +4,7 @@ const TIMELINE_STEP = 2; // times
 const WHOLE_TIMELINE = 1e-9; // times: so little is the whole run
 const TOUCH_SLIP = 12; // pixels: largest distance of a touch from the bench that it selects
 
+/** @type {(player: Player) => void} */
 function connect(player) {
   const { view, timeline } = player;
   connectFields(player);
@@ -26,13 +27,15 @@ function connect(player) {
     tapped: ([px]) => player.seek(timeline.timeOfClick(px)),
   });
   listenToWheel(element("time"), timeline, () => player.requestDraw());
-  for (const id of ["time", "play", "back", "forward", "last"]) {
-    element(id).disabled = player.length === 0;
+  const moving = [element("play"), element("back"), element("forward"), element("last")];
+  for (const each of [element("time"), ...moving]) each.disabled = player.length === 0;
+  for (const each of [element("previous"), element("next"), element("events")]) {
+    each.disabled = !player.events.length;
   }
-  for (const id of ["previous", "next", "events"]) element(id).disabled = !player.events.length;
   addEventListener("hashchange", () => player.readLink());
 }
 
+/** @type {(player: Player) => Actions} */
 const buttonsOf = (player) => ({
   play: () => player.toggle(),
   back: () => player.toNext(player.motion.times, -1),
@@ -45,27 +48,34 @@ const buttonsOf = (player) => ({
   "timeline-all": () => player.zoomTimeline(WHOLE_TIMELINE),
 });
 
+/** @type {(player: Player) => void} */
 function connectFields(player) {
-  element("rate").append(...RATES.map((rate) => new Option(`${rate}×`, rate)));
+  const time = element("time");
+  const rate = element("rate");
+  const slow = element("slow");
+  const events = element("events");
+  const bench = element("bench");
+  rate.append(...RATES.map((each) => new Option(`${each}×`, String(each))));
   writeLists(player);
-  element("time").addEventListener("input", ({ target }) => player.seek(target.valueAsNumber));
-  element("rate").addEventListener("change", ({ target }) =>
-    player.set("rate", Number(target.value)),
-  );
-  element("slow").addEventListener("change", ({ target }) => player.set("slow", target.checked));
-  element("events").addEventListener("change", ({ target }) => {
-    if (target.value !== "") player.seek(player.events[target.value].time);
-    target.value = "";
+  time.addEventListener("input", () => player.seek(time.valueAsNumber));
+  rate.addEventListener("change", () => player.set("rate", Number(rate.value)));
+  slow.addEventListener("change", () => player.set("slow", slow.checked));
+  events.addEventListener("change", () => {
+    if (events.value !== "") player.seek(player.events[Number(events.value)].time);
+    events.value = "";
   });
-  element("bench").addEventListener("input", ({ target }) => {
-    if (target.value !== "" && target.checkValidity()) player.set("selected", target.valueAsNumber);
+  bench.addEventListener("input", () => {
+    if (bench.value !== "" && bench.checkValidity()) player.set("selected", bench.valueAsNumber);
   });
 }
 
 // Events to go to, and the precision of the run, in the page's language.
+/** @type {(player: Player) => void} */
 function writeLists({ events, motion }) {
   const first = events.length ? localized("Go to an event …") : localized("No events");
-  const options = events.map(({ time, text }, i) => new Option(`${time.toFixed(2)} s: ${text}`, i));
+  const options = events.map(
+    ({ time, text }, i) => new Option(`${time.toFixed(2)} s: ${text}`, String(i)),
+  );
   element("events").replaceChildren(new Option(first, ""), ...options);
   setText(
     "precision",

@@ -1,7 +1,9 @@
 // Unpacks the numbers in the page's data blocks, which data.py packs.
 
-const block = (id) => document.getElementById(id).textContent;
+/** @type {(id: string) => string} */
+const block = (id) => element(id).textContent ?? "";
 
+/** @type {(base64: string) => Promise<Uint8Array>} */
 async function inflate(base64) {
   const text = atob(base64.trim());
   const bytes = new Uint8Array(text.length);
@@ -11,6 +13,7 @@ async function inflate(base64) {
 }
 
 // Vectors as counts of steps from an origin, by frame, point and component.
+/** @type {(packing: Packing, base64: string) => Promise<Packed>} */
 async function unpack({ frames, points, origin, step, order }, base64) {
   const bytes = await inflate(base64);
   const tracks = 2 * points;
@@ -35,9 +38,11 @@ async function unpack({ frames, points, origin, step, order }, base64) {
 }
 
 // Vectors of all points, x0, y0, x1, y1, ..., in m or m/s: of all frames, and in a frame.
+/** @type {(packed: { origin: Numbers, step: number }, counts: Int32Array) => Float64Array} */
 const vectorsOf = ({ origin, step }, counts) =>
   Float64Array.from(counts, (count, i) => origin[i & 1] + step * count);
 
+/** @type {(packed: Packed, frame: number) => Float64Array} */
 function vectorsIn(packed, frame) {
   const size = 2 * packed.points;
   return vectorsOf(packed, packed.counts.subarray(frame * size, (frame + 1) * size));

@@ -6,13 +6,16 @@ const MAGNIFIED_TO = 3; // pixels: ... to at least this, and to
 const MAGNIFIED_SHARE = 0.3; // of the width of a bench
 
 class Exact {
+  /** @param {Motion} motion @param {Packed} offsets */
   constructor(motion, offsets) {
-    // The error of a position error, m.
-    Object.assign(this, { motion, offsets, resolution: offsets.step / Math.SQRT2 });
+    this.motion = motion;
+    this.offsets = offsets;
+    this.resolution = offsets.step / Math.SQRT2; // m: the error of a position error
   }
 
   // Offsets in m of all handles at a time, x0, y0, x1, y1, ..., linear between frames;
   // null if unknown.
+  /** @type {(time: number) => Float64Array | null} */
   offsetsAt(time) {
     const { before, after, share } = this.motion.between(time);
     const last = share > 0 ? after : before;
@@ -24,6 +27,7 @@ class Exact {
   }
 
   // Position errors in m of all benches: of the worse of two holes. Null if unknown.
+  /** @type {(time: number) => number[] | null} */
   errorsAt(time) {
     const offsets = this.offsetsAt(time);
     if (!offsets) return null;
@@ -33,6 +37,10 @@ class Exact {
 
   // Poses of the exact benches beside `benches` at `time`,
   // with their distances from these magnified; null if unknown.
+  /**
+   * @type {(benches: Benches<MovingBenches>, time: number, magnification?: number) => Poses |
+   *   null}
+   */
   posesBeside(benches, time, magnification = 1) {
     const offsets = this.offsetsAt(time);
     if (!offsets) return null;
@@ -47,6 +55,7 @@ class Exact {
 
 // The factor 1, 2 or 5 times a power of ten by which an error is magnified,
 // in a view with benches of a width; pixels.
+/** @type {(error: number, width: number) => number} */
 function magnificationOf(error, width) {
   if (error >= MAGNIFIED_BELOW || error === 0) return 1;
   return roundUp(Math.max(MAGNIFIED_TO, MAGNIFIED_SHARE * width) / error);

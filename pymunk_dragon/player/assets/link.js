@@ -6,8 +6,10 @@ const SPAN_DIGITS = 4; // significant digits of spans
 const SWITCHES = ["curve", "contacts", "handles", "velocities", "grid", "labels", "exact"];
 const SHOWN_BY_DEFAULT = ["curve", "contacts"];
 
+/** @type {(number: number) => string} */
 const plain = (number) => String(Number(number.toFixed(LINK_DIGITS)));
 
+/** @type {(player: Player) => string} */
 function formatLink({ time, rate, defaultRate, slow, follow, shown, selected, view }) {
   const parts = [`t=${plain(time)}`];
   if (follow === "head") parts.push("follow=head");
@@ -23,23 +25,23 @@ function formatLink({ time, rate, defaultRate, slow, follow, shown, selected, vi
 }
 
 // Settings of a link; missing and invalid values are undefined.
+/** @type {(hash: string) => Link} */
 function parseLink(hash) {
   const query = new URLSearchParams(hash.replace(/^#/, ""));
+  /** @type {(text: string | null | undefined) => number | undefined} */
   const number = (text) =>
     text?.trim() && Number.isFinite(Number(text)) ? Number(text) : undefined;
-  const at = (query.get("at") ?? "").split(",").map(number);
+  const [x, y, ...rest] = (query.get("at") ?? "").split(",").map(number);
   const span = number(query.get("span"));
   return {
     time: number(query.get("t")),
     follow: ["head", "field"].find((subject) => subject === query.get("follow")),
-    at: at.length === 2 && at.every((value) => value !== undefined) ? at : undefined,
-    span: span > 0 ? span : undefined,
-    show: query.has("show")
-      ? query
-          .get("show")
-          .split(",")
-          .filter((name) => SWITCHES.includes(name))
-      : undefined,
+    at: x !== undefined && y !== undefined && !rest.length ? [x, y] : undefined,
+    span: span && span > 0 ? span : undefined,
+    show: query
+      .get("show")
+      ?.split(",")
+      .filter((name) => SWITCHES.includes(name)),
     bench: number(query.get("bench")),
     rate: number(query.get("speed")),
     slow: query.get("slow") !== "off",

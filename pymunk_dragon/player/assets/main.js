@@ -4,13 +4,16 @@ const PACKED = ["handles", "velocities", "exact", "curve"];
 
 async function start() {
   const payload = JSON.parse(block("payload"));
+  /** @type {Record<string, Packed>} */
   const packed = {};
   for (const name of PACKED) {
     packed[name] = payload[name] && (await unpack(payload[name], block(`${name}-packed`)));
   }
   const player = new Player(payload, packed);
-  if (!payload.grid) element("show-grid").closest("label").hidden = true;
-  for (const part of document.querySelectorAll(".exact-only")) part.hidden = !player.exact;
+  if (!payload.grid) hideSwitch("grid", true);
+  for (const part of document.querySelectorAll(".exact-only")) {
+    part.toggleAttribute("hidden", !player.exact);
+  }
   setLanguage(chosenLanguage());
   connect(player);
   player.readLink();
@@ -20,13 +23,15 @@ async function start() {
 
 // For pages that hold this one in a frame:
 // `frame.contentWindow.dragon.then((player) => player.seek(409.8))`.
+/** @param {Player} player */
 function publicPlayer(player) {
   const { motion, view } = player;
+  /** @type {(poses: Poses | null | undefined) => number[][] | null} */
   const rows = (poses) => poses?.x.map((x, i) => [x, poses.y[i], poses.angle[i]]) ?? null;
   return Object.freeze({
     play: () => player.play(),
     pause: () => player.pause(),
-    seek: (time) => player.seek(time),
+    seek: (/** @type {number} */ time) => player.seek(time),
     draw: () => player.draw(),
     get time() {
       return player.time;
@@ -38,12 +43,12 @@ function publicPlayer(player) {
       return { x: view.x, y: view.y, scale: view.scale, follow: player.follow };
     },
     // Pixel of the canvas at a point in m.
-    pixel: (x, y) => view.toScreen(x, y),
+    pixel: (/** @type {number} */ x, /** @type {number} */ y) => view.toScreen(x, y),
     // Positions of the handles in a frame: x0, y0, x1, y1, ...
-    handles: (frame) => Array.from(vectorsIn(player.motion.packed, frame)),
+    handles: (/** @type {number} */ frame) => Array.from(vectorsIn(player.motion.packed, frame)),
     // Poses [x, y, angle] at a time of the benches, and of the exact model; null if unknown.
-    poses: (time) => rows(motion.posesAt(time)),
-    exactPoses: (time) =>
+    poses: (/** @type {number} */ time) => rows(motion.posesAt(time)),
+    exactPoses: (/** @type {number} */ time) =>
       rows(player.exact?.posesBeside(new Benches(motion, motion.posesAt(time)), time)),
     get rate() {
       return player.currentRate;
@@ -52,7 +57,7 @@ function publicPlayer(player) {
       return [player.timeline.from, player.timeline.to];
     },
     // Numbers of a bench at the current time.
-    numbers: (bench) =>
+    numbers: (/** @type {number} */ bench) =>
       benchNumbers(new Benches(motion, motion.posesAt(player.time)), bench, player.time),
   });
 }

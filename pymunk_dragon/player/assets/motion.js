@@ -6,16 +6,23 @@ const LINK_TOLERANCE = 1e-6;
 const CACHED_FRAMES = 8;
 
 // The same angle from -pi to pi.
+/** @type {(angle: number) => number} */
 const normalizeAngle = (angle) => angle - TURN * Math.floor((angle + Math.PI) / TURN);
 
 // Pose of bench `i` and its rate of change on the cubic Hermite polynomial between two frames
 // `interval` s apart. Angles change by at most half a turn.
+/**
+ * @type {(one: FrameMotion, two: FrameMotion, interval: number, share: number, i: number) =>
+ *   BenchMotion}
+ */
 function hermite(one, two, interval, share, i) {
   const left = 1 - share;
+  /** @type {(from: number, step: number, v0: number, v1: number) => number} */
   const value = (from, step, v0, v1) =>
     from +
     share * share * (3 - 2 * share) * step +
     interval * share * left * (left * v0 - share * v1);
+  /** @type {(step: number, v0: number, v1: number) => number} */
   const rate = (step, v0, v1) =>
     (6 * share * left * step) / (interval || 1) +
     left * (1 - 3 * share) * v0 +
@@ -34,15 +41,19 @@ function hermite(one, two, interval, share, i) {
 }
 
 class Motion {
+  /** @param {Payload} payload @param {Packed} packed @param {Packed | undefined} velocities */
   constructor(payload, packed, velocities) {
     const { benches, head_spacing, body_spacing, overhang, width } = payload.dragon;
     this.times = Float64Array.from(payload.times);
     this.begin = this.times[0];
-    this.end = this.times.at(-1);
-    Object.assign(this, { packed, velocities });
-    [this.positionError, this.velocityError] = payload.errors;
+    this.end = this.times[this.times.length - 1];
+    this.packed = packed;
+    this.velocities = velocities;
+    this.positionError = payload.errors[0]; // m
+    this.velocityError = payload.errors[1]; // m/s
     this.benches = benches;
     // A size is a number for all benches, or an array.
+    /** @type {(sizes: number | number[]) => Float64Array} */
     const each = (sizes) =>
       Float64Array.from({ length: benches }, (_, i) => (Array.isArray(sizes) ? sizes[i] : sizes));
     this.widths = each(width);
@@ -54,6 +65,7 @@ class Motion {
     const overhangs = each(overhang);
     this.lengths = this.spacings.map((spacing, i) => spacing + 2 * overhangs[i]);
     this.windows = payload.windows;
+    /** @type {Map<number, FrameMotion>} */
     this.cache = new Map();
   }
 
@@ -79,6 +91,7 @@ class Motion {
 
   // Poses of one frame and their rates of change: a bench's centre is midway between its holes, and
   // its direction is from the rear hole to the front hole.
+  /** @type {(frame: number) => FrameMotion} */
   frameMotion(frame) {
     const cached = this.cache.get(frame);
     if (cached) return cached;
@@ -86,6 +99,7 @@ class Motion {
     const velocities = this.velocities
       ? vectorsIn(this.velocities, frame)
       : new Float64Array(positions.length);
+    /** @type {FrameMotion} */
     const motion = { x: [], y: [], angle: [], vx: [], vy: [], angularRate: [] };
     for (let i = 0; i < this.benches; i++) {
       const [frontX, frontY, rearX, rearY] = positions.subarray(2 * i, 2 * i + 4);
@@ -108,6 +122,9 @@ class Motion {
 
   // The two frames around a time, the interval between them in s,
   // and the fraction of it that has passed.
+  /**
+   * @type {(time: number) => { before: number, after: number, interval: number, share: number }}
+   */
   between(time) {
     const last = this.times.length - 1;
     const found = this.times.findIndex((each) => each >= time);
@@ -122,6 +139,7 @@ class Motion {
   // the error of the cubic between two frames. The latter is proportional to the fourth derivative,
   // which is estimated from the distance between the cubic over two intervals and the frame between
   // them. Infinity if there is no such frame.
+  /** @type {(time: number, bench: number) => number} */
   errorAt(time, bench) {
     const { before, after, interval, share } = this.between(time);
     const known = (this.positionError * this.lengths[bench]) / this.spacings[bench];
@@ -133,6 +151,7 @@ class Motion {
   }
 
   // The fourth derivative of a bench's motion at a frame, divided by 24, m/s^4; -1 if unknown.
+  /** @type {(frame: number, bench: number) => number} */
   fourthDerivative(frame, bench) {
     const one = this.times[frame] - this.times[frame - 1];
     const two = this.times[frame + 1] - this.times[frame];
@@ -149,20 +168,22 @@ class Motion {
 
   // Poses at any time and their rates of change: between frames, cubic Hermite polynomials,
   // as in `Run.poses_at`.
+  /** @type {(time: number) => Poses & Rates} */
   posesAt(time) {
     const { before, after, interval, share } = this.between(time);
     const one = this.frameMotion(before);
     const two = this.frameMotion(after);
     const found = one.x.map((_, i) => hermite(one, two, interval, share, i));
-    const rates = ["vx", "vy", "angularRate"].map((name) => [
-      name,
-      found.map((bench) => bench[name]),
-    ]);
-    const poses = posesFrom(this.benches, (i) => [found[i].x, found[i].y, found[i].angle]);
-    return Object.assign(poses, Object.fromEntries(rates));
+    return {
+      ...posesFrom(this.benches, (i) => [found[i].x, found[i].y, found[i].angle]),
+      vx: found.map(({ vx }) => vx),
+      vy: found.map(({ vy }) => vy),
+      angularRate: found.map(({ angularRate }) => angularRate),
+    };
   }
 
   // Velocities of the handles, [x, y] in m/s; null if unknown.
+  /** @type {(poses: Poses & Rates) => Point[] | null} */
   velocitiesOf(poses) {
     if (!this.velocities) return null;
     return Array.from({ length: this.benches + 1 }, (_, i) => {
@@ -174,6 +195,7 @@ class Motion {
   }
 
   // Contact windows that include `time`.
+  /** @type {(time: number) => ContactWindow[]} */
   touchingAt(time) {
     return this.windows.filter(
       ({ begin, end }) => begin - LINK_TOLERANCE <= time && (end === null || time < end),

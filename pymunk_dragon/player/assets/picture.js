@@ -5,15 +5,20 @@ const SMALLEST_CELL = 5; // pixels: smallest cell that is drawn
 const CELL_OPACITY = 0.1; // of covered cells, as in the films
 const LINE_OPACITY = 0.28; // of lines, as in the films
 
-function drawGrid(painter, benches, visible) {
-  const { context, colours, view, payload } = painter;
-  const { cell, origin } = payload.grid;
+/**
+ * @type {(painter: RunPainter, benches: Benches<MovingBenches>, visible: number[], grid: Grid) =>
+ *   void}
+ */
+function drawGrid(painter, benches, visible, grid) {
+  const { context, colours, view } = painter;
+  const { cell, origin } = grid;
   const size = cell * view.scale;
   if (size < SMALLEST_CELL) return;
+  /** @type {(row: number, column: number) => Point} */
   const corner = (row, column) => view.toScreen(origin[0] + column * cell, origin[1] - row * cell);
   const covered = new Path2D();
   for (const i of visible) {
-    for (const [row, column] of benches.cells(i, payload.grid)) {
+    for (const [row, column] of benches.cells(i, grid)) {
       covered.rect(...corner(row, column), size, size);
     }
   }
@@ -40,15 +45,21 @@ function drawGrid(painter, benches, visible) {
   context.globalAlpha = 1;
 }
 
+/** @extends {Painter<Motion>} */
 class RunPainter extends Painter {
   // Draw `benches` at `time` with the overlays in `show` and the bench `pointed` highlighted. The
   // exact benches are drawn at their distances from these times `magnification`.
+  /** @type {(picture: {
+   *   time: number, benches: Benches<Motion>, show: Record<string, boolean>,
+   *   pointed: number | null, exact: Exact | undefined, magnification: number
+   * }) => void} */
   draw({ time, benches, show, pointed, exact, magnification }) {
     this.clear();
     const visible = this.visible(benches);
     const touching = this.motion.touchingAt(time);
     const inContact = new Set(touching.flatMap(({ benches: two }) => two));
-    if (show.grid && this.payload.grid) drawGrid(this, benches, visible);
+    const { grid } = this.payload;
+    if (show.grid && grid) drawGrid(this, benches, visible, grid);
     if (show.curve) this.drawCurve();
     this.drawBenches(benches, visible, inContact);
     if (pointed !== null) this.drawPointed(benches, pointed, inContact);

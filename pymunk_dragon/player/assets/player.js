@@ -12,6 +12,7 @@ const LINK_EVERY = 500;
 const ANNOUNCE_AFTER = 700;
 
 class Player extends Stage {
+  /** @param {Payload} payload @param {Record<string, Packed>} packed */
   constructor(payload, { handles, velocities, exact, curve }) {
     const motion = new Motion(payload, handles, velocities);
     super(new View(motion), SWITCHES, SHOWN_BY_DEFAULT);
@@ -30,16 +31,24 @@ class Player extends Stage {
     this.time = this.motion.begin;
     this.length = this.motion.end - this.motion.begin;
     this.defaultRate =
-      RATES.find((rate) => rate >= 1 && this.length / rate <= LONGEST) ?? RATES.at(-1);
+      RATES.find((rate) => rate >= 1 && this.length / rate <= LONGEST) ?? RATES[RATES.length - 1];
     this.rate = this.defaultRate;
     this.slowTimes = slowTimes(this.events);
-    // Slow near events; the selected is a bench.
-    Object.assign(this, { slow: true, playing: false, selected: null });
-    this.writeLinkSoon = throttled(() => rememberAddress(formatLink(this)), LINK_EVERY);
+    this.slow = true; // near events
+    this.playing = false;
+    /** @type {number | null} */
+    this.selected = null; // a bench
+    /** @type {number | null} */
+    this.last = null; // ms: time of the last picture
+    this.announceTimer = 0;
+    this.benches = new Benches(motion, motion.posesAt(this.time));
+    const write = () => rememberAddress(formatLink(this));
+    this.writeLinkSoon = throttled(write, LINK_EVERY);
   }
 
   // ---- drawing
 
+  /** @type {(now: number) => void} */
   tick(now) {
     if (this.playing) {
       const passed = this.last === null ? 0 : Math.min((now - this.last) / 1000, LONGEST_TICK);
@@ -69,7 +78,7 @@ class Player extends Stage {
     painter.draw({ time, benches, show: this.shown, pointed, exact: this.exact, magnification });
     this.showTime();
     const bench = pointed ?? 0;
-    if (document.activeElement !== element("bench")) element("bench").value = bench;
+    if (document.activeElement !== element("bench")) element("bench").value = String(bench);
     for (const [id, text] of Object.entries(formatNumbers(benchNumbers(benches, bench, time)))) {
       setText(id, text);
     }
@@ -88,7 +97,7 @@ class Player extends Stage {
     const { time, timeline } = this;
     setText("clock", time.toFixed(2));
     setText("reduced", this.currentRate < this.rate ? formatRate(this.currentRate) : "");
-    element("time").value = time;
+    element("time").value = String(time);
     // Only while paused: screen readers would announce every change.
     if (!this.playing) {
       element("time").ariaValueText = localized("{time} seconds", { time: time.toFixed(2) });
@@ -97,6 +106,7 @@ class Player extends Stage {
   }
 
   // So that the largest position error in the view is visible.
+  /** @type {(benches: Benches<MovingBenches>, errors: number[]) => number} */
   magnification(benches, errors) {
     const { scale } = this.view;
     const worst = this.painter.visible(benches).reduce((most, i) => Math.max(most, errors[i]), 0);
@@ -131,6 +141,7 @@ class Player extends Stage {
   }
 
   // Go to a time and pause.
+  /** @type {(time: number) => void} */
   seek(time) {
     this.pause();
     this.time = Math.min(Math.max(time, this.motion.begin), this.motion.end);
@@ -138,11 +149,11 @@ class Player extends Stage {
   }
 
   // Go to the next of some times, or the one before.
+  /** @type {(times: ArrayLike<number>, direction: number) => void} */
   toNext(times, direction) {
-    const next =
-      direction > 0
-        ? times.find((each) => each > this.time)
-        : times.findLast((each) => each < this.time);
+    const all = Array.from(times);
+    const later = () => all.find((each) => each > this.time);
+    const next = direction > 0 ? later() : all.findLast((each) => each < this.time);
     this.seek(next ?? this.time);
   }
 
@@ -154,16 +165,19 @@ class Player extends Stage {
   }
 
   // Set the rate, whether the run is slow near events, or the selected bench.
+  /** @type {(name: "rate" | "slow" | "selected", value: unknown) => void} */
   set(name, value) {
-    this[name] = value;
+    Object.assign(this, { [name]: value });
     this.afterChange();
   }
 
+  /** @type {(factor: number) => void} */
   zoomTimeline(factor) {
-    this.timeline.zoom(factor, 0, this.time);
+    this.timeline.zoom(factor, 0, 0, this.time);
     this.requestDraw();
   }
 
+  /** @type {(name: string) => void} */
   setLanguage(name) {
     setLanguage(name);
     showPlaying(this.playing);
@@ -175,7 +189,7 @@ class Player extends Stage {
 
   afterChange() {
     this.showView();
-    element("rate").value = this.rate;
+    element("rate").value = String(this.rate);
     element("slow").checked = this.slow;
     element("legend-exact").hidden = !(this.exact && this.shown.exact);
     this.requestDraw();
@@ -209,20 +223,19 @@ class Player extends Stage {
 
   readLink() {
     const link = parseLink(location.hash);
+    const { bench = -1, rate = this.rate } = link;
     const { view, motion } = this;
     if (link.time !== undefined) this.seek(link.time);
-    if (RATES.includes(link.rate)) this.rate = link.rate;
+    if (RATES.includes(rate)) this.rate = rate;
     this.slow = link.slow;
     if (link.show) for (const name of SWITCHES) this.shown[name] = link.show.includes(name);
-    if (Number.isInteger(link.bench) && link.bench >= 0 && link.bench < motion.benches) {
-      this.selected = link.bench;
-    }
+    if (Number.isInteger(bench) && bench >= 0 && bench < motion.benches) this.selected = bench;
     if (chosenLanguage() !== language) this.setLanguage(chosenLanguage());
     // A span requires the size of the canvas.
     this.painter.resize();
     if (link.follow) this.setFollow(link.follow);
     if (link.at) {
-      this.follow = null;
+      this.setFollow(null);
       [view.x, view.y] = link.at;
       view.pan(0, 0);
     }

@@ -9,6 +9,7 @@ const MARK = 5; // pixels: half the height of a mark
 const LABEL_EVERY = 64; // pixels: least distance of labels
 const LABEL_SIZE = 10; // pixels
 
+/** @type {(payload: Payload) => RunEvent[]} */
 function eventsOf(payload) {
   const nearMisses = payload.near_misses.map(({ time, benches: [i, j], gap }) => ({
     time,
@@ -24,7 +25,7 @@ function eventsOf(payload) {
   }));
   const contacts = payload.windows.map(({ begin, end, benches: [i, j] }) => ({
     time: begin,
-    end: end ?? payload.times.at(-1),
+    end: end ?? payload.times[payload.times.length - 1],
     kind: "contact",
     get text() {
       const contact = localized("Contact: benches {i} and {j}", { i, j });
@@ -37,8 +38,20 @@ function eventsOf(payload) {
 }
 
 class Timeline {
+  /**
+   * @param {HTMLCanvasElement} strip @param {HTMLInputElement} slider @param {Motion} motion
+   *   @param {RunEvent[]} events
+   */
   constructor(strip, slider, motion, events) {
-    Object.assign(this, { strip, slider, motion, events, width: 1 });
+    this.strip = strip;
+    this.context = /** @type {CanvasRenderingContext2D} */ (strip.getContext("2d"));
+    this.slider = slider;
+    this.motion = motion;
+    this.events = events;
+    this.width = 1;
+    this.from = 0;
+    this.length = 0;
+    this.drawn = "";
     this.setPart(motion.begin, Infinity);
   }
 
@@ -47,6 +60,7 @@ class Timeline {
   }
 
   // Show from a time on so many seconds, within the run.
+  /** @type {(from: number, length: number) => void} */
   setPart(from, length) {
     const { begin, end } = this.motion;
     this.length = Math.min(Math.max(length, SHORTEST_PART), end - begin);
@@ -58,17 +72,20 @@ class Timeline {
   }
 
   // Zoom around a pixel, as a view does.
-  zoom(factor, px, time = this.timeAt(px)) {
+  /** @type {(factor: number, px: number, py: number, time?: number) => void} */
+  zoom(factor, px, py, time = this.timeAt(px)) {
     const share = this.length > 0 ? (time - this.from) / this.length : 0;
     const length = Math.max(this.length / factor, SHORTEST_PART);
     this.setPart(time - share * length, length);
   }
 
+  /** @type {(dx: number) => void} */
   pan(dx) {
     this.setPart(this.from - (dx * this.length) / this.inner, this.length);
   }
 
   // Move the part so that it has a time.
+  /** @type {(time: number) => void} */
   reveal(time) {
     if (time > this.to) this.setPart(time - MARGIN * this.length, this.length);
     else if (time < this.from) this.setPart(time - (1 - MARGIN) * this.length, this.length);
@@ -80,16 +97,20 @@ class Timeline {
   }
 
   // Pixels from the left.
+  /** @type {(time: number) => number} */
   toPixel(time) {
     return THUMB + this.inner * (this.length > 0 ? (time - this.from) / this.length : 0);
   }
 
+  /** @type {(px: number) => number} */
   timeAt(px) {
     return this.from + Math.min(Math.max((px - THUMB) / this.inner, 0), 1) * this.length;
   }
 
   // Time of the event close to a click, or the clicked time if there is none.
+  /** @type {(px: number) => number} */
   timeOfClick(px) {
+    /** @type {(event: RunEvent) => number} */
     const distance = (event) => Math.abs(this.toPixel(event.time) - px);
     const near = this.events
       .filter((event) => distance(event) <= CLICK)
@@ -98,8 +119,9 @@ class Timeline {
   }
 
   // Draws only if the strip's size, the part or the colours have changed.
+  /** @type {(painter: RunPainter) => void} */
   draw(painter) {
-    const context = this.strip.getContext("2d");
+    const { context } = this;
     const { width, height } = fitCanvas(this.strip, context);
     const state = [
       width,
@@ -135,6 +157,7 @@ class Timeline {
   }
 
   // Round times at the upper side.
+  /** @type {(context: CanvasRenderingContext2D, look: Look) => void} */
   drawLabels(context, { colours, font }) {
     context.font = `${LABEL_SIZE}px ${font}`;
     context.textBaseline = "top";
@@ -162,6 +185,7 @@ const APART = 2; // s: a contact that begins so soon after another one has no sl
 
 // Times of the events that playing slows down at: near misses,
 // and contacts after a time without one.
+/** @type {(events: RunEvent[]) => number[]} */
 function slowTimes(events) {
   const begins = events.filter(({ kind }) => kind === "contact").map(({ time }) => time);
   return [
@@ -171,6 +195,7 @@ function slowTimes(events) {
 }
 
 // The speed at a time, no higher than the chosen `rate`.
+/** @type {(rate: number, time: number, times: number[]) => number} */
 function slowedRate(rate, time, times) {
   const distance = times.reduce((least, each) => Math.min(least, Math.abs(each - time)), Infinity);
   return Math.min(rate, Math.max(SLOWEST, APPROACH * distance));

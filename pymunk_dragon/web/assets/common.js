@@ -87,7 +87,7 @@ function nearestWithin(slip, items, distanceOf) {
 const bounded = (value, least, most) => Math.min(Math.max(value, least), most);
 
 // Call `action` with the newest value, at most once in `interval` ms.
-/** @type {<T>(action: (newest: T) => void, interval: number) => (value: T) => void} */
+/** @type {<T>(action: (newest: T) => void, interval: number) => (value?: T) => void} */
 function throttled(action, interval) {
   /** @type {number | null} */
   let timer = null;

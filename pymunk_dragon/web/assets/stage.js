@@ -35,7 +35,7 @@ class Stage {
     if (this.follow === "head") [this.view.x, this.view.y] = [x[0], y[0]];
   }
 
-  /** @type {(subject: string) => void} */
+  /** @type {(subject: string | null) => void} */
   setFollow(subject) {
     this.follow = subject;
     // A closer view stays as it is.
@@ -69,6 +69,12 @@ class Stage {
     element("follow").setAttribute("aria-pressed", String(this.follow === "head"));
     for (const [name, shown] of Object.entries(this.shown)) element(`show-${name}`).checked = shown;
   }
+}
+
+// Hide the switch of what a page has not.
+/** @type {(name: string, hidden: boolean) => void} */
+function hideSwitch(name, hidden) {
+  element(`show-${name}`).closest("label")?.toggleAttribute("hidden", hidden);
 }
 
 // Connect the controls that both pages have. A page adds buttons and keys with their actions, and
