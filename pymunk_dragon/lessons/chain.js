@@ -19,25 +19,37 @@ stages.chain = (lab) => {
   });
   const { spiral, begin } = new March();
   const points = curvePoints(spiral, begin - 200, 0);
+  /** @type {Set<number>} */
   const found = new Set();
   let angle = 0.5;
+  /** @type {number} */
   let head;
+  /** @type {Frame} */
   let from;
+  /** @type {number} */
   let right;
+  /** @type {number[]} */
   let met;
+  /** @type {number} */
   let own;
+  /** @type {boolean} */
   let correct;
 
+  /** @type {() => Point} */
   const next = () => [
     from[0] + bench.value * Math.cos(angle),
     from[1] + bench.value * Math.sin(angle),
   ];
+  /** @type {(one: Numbers, two: Numbers) => number} */
   const apart = ([x, y], [otherX, otherY]) => Math.hypot(x - otherX, y - otherY);
+  /** @type {(point: Numbers) => number} */
   const angleTo = ([x, y]) => Math.atan2(y - from[1], x - from[0]);
   const onSpiral = () => met.find((s) => apart(spiral.frame(s), next()) < snap);
   // Coordinates, from the outside in, at which the distance from handle 0 passes the bench.
   const meetings = () => {
+    /** @type {(s: number) => number} */
     const excess = (s) => apart(spiral.frame(s), from) - bench.value;
+    /** @type {number[]} */
     const roots = [];
     const theta = spiral.angle(head);
     for (
@@ -63,7 +75,7 @@ stages.chain = (lab) => {
     from = spiral.frame(head);
     right = neighbour(spiral, head, bench.value);
     met = meetings();
-    own = onSpiral();
+    own = onSpiral() ?? NaN;
     correct = Math.abs(own - right) < 1e-6;
   };
   lab.pane(
@@ -82,8 +94,9 @@ stages.chain = (lab) => {
       }
       pane.dot(from, { radius: 6 });
       // Beyond the end of the way, which it does not cover.
-      const below = ahead.at(-1)[1] < from[1];
-      pane.text(ahead.at(-1), lab.say(["handle 0, and its way ahead", "0 号把手及其前方的路"]), {
+      const end = lastOf(ahead);
+      const below = end[1] < from[1];
+      pane.text(end, lab.say(["handle 0, and its way ahead", "0 号把手及其前方的路"]), {
         dy: below ? 14 : -14,
       });
     },
@@ -91,11 +104,14 @@ stages.chain = (lab) => {
   lab.knob(["The next handle: drag it round the circle", "下一个把手：沿圆周拖动"], {
     at: next,
     moved: (point, way) => {
+      /** @type {(to: number) => number} */
       const turned = (to) => Math.atan2(Math.sin(to - before), Math.cos(to - before));
       const before = angle;
       angle = way ? angle + ((3 * snap) / bench.value) * way : angleTo(point);
-      if (onSpiral()) angle = angleTo(spiral.frame(onSpiral()));
+      const snapped = onSpiral();
+      if (snapped) angle = angleTo(spiral.frame(snapped));
       // The points between the angle before and that now.
+      /** @type {(s: number) => number} */
       const share = (s) => turned(angleTo(spiral.frame(s))) / turned(angle);
       for (const s of met) if (share(s) >= 0 && share(s) < 1 + 1e-9) found.add(s);
     },

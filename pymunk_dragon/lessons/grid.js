@@ -12,9 +12,13 @@ stages.grid = (lab) => {
   const count = lab.slider(["benches", "板凳数"], { min: 16, max: 223, step: 1, value: 223 });
   const handles = new March().chain(contact).points;
   let picked = 8;
+  /** @type {Benches<BenchSizes>} */
   let benches;
+  /** @type {Grid} */
   let grid;
+  /** @type {Filed} */
   let filed;
+  /** @type {Set<number>} */
   let partners;
 
   lab.label = [
@@ -71,7 +75,7 @@ stages.grid = (lab) => {
   lab.knob(["The bench that is picked: drag to another one", "选中的板凳：拖到另一节上"], {
     at: () => [benches.poses.x[picked], benches.poses.y[picked]],
     moved: (point, way) => {
-      picked = way ? Math.max(picked + way, 0) : benches.at(point, Infinity);
+      picked = way ? Math.max(picked + way, 0) : (benches.at(point, Infinity) ?? picked);
     },
   });
   lab.readout = () => {

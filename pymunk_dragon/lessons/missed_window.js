@@ -24,17 +24,23 @@ stages["missed-window"] = (lab) => {
     show: magnification,
   });
   const time = { value: begin };
+  /** @type {March} */
   let march;
+  /** @type {{ from: number, to: number, bench: number }[]} */
   let touching;
+  /** @type {number} */
   let length;
 
+  /** @type {(t: number) => number} */
   const gap = (t) => march.gap(t);
   // Points of the chart at the multiples of a step.
+  /** @type {(apart: number, limits: Numbers) => Point[]} */
   const points = (apart, [from, to]) => {
     const first = Math.ceil(from / apart);
     const last = Math.floor(to / apart);
     return range(first, last, last - first).map((k) => [k * apart, 1000 * gap(k * apart)]);
   };
+  /** @type {() => ChartView} */
   const view = () => {
     const scale = 10 ** zoom.value;
     const half = (end - begin) / 2 / scale;
@@ -50,7 +56,8 @@ stages["missed-window"] = (lab) => {
     };
   };
   const size = () => 5 / 10 ** (2 * zoom.value);
-  const benchesAt = (...given) => march.benches(...given);
+  /** @type {(t: number, handles?: number) => Benches<BenchSizes>} */
+  const benchesAt = (t, handles) => march.benches(t, handles);
   const now = gapPanes(lab, {
     time,
     size,
@@ -82,6 +89,7 @@ stages["missed-window"] = (lab) => {
       const passes = [406, 409]
         .map((t) => minimumBetween(gap, t, t + 2))
         .filter((t) => gap(t) <= 0);
+      /** @type {(t: number) => { from: number, to: number }} */
       const limits = (t) => ({ from: rootBetween(gap, t - 1, t), to: rootBetween(gap, t + 1, t) });
       touching = passes.map((t) => ({ ...limits(t), bench: march.passed(t).bench }));
       touching.push({ from: rootBetween(gap, 411, end), to: Infinity, bench: 8 });
@@ -89,20 +97,20 @@ stages["missed-window"] = (lab) => {
     now.update();
   };
   lab.readout = () => {
+    /** @type {(times: { from: number }) => number} */
     const sampled = ({ from }) => length * Math.ceil(from / length);
-    const found = touching.find((each) => sampled(each) <= each.to);
+    const found = touching.find((each) => sampled(each) <= each.to) ?? lastOf(touching);
     const t = sampled(found).toFixed(3);
     const missed = found === touching[0] ? null : touching[0];
     const long = missed && (missed.to - missed.from).toFixed(3);
-    const [english, chinese] =
-      missed?.to > now.seen
+    const [english, chinese] = !missed
+      ? ["No contact was missed.", "没有漏掉接触。"]
+      : missed.to > now.seen
         ? ["", ""]
-        : !missed
-          ? ["No contact was missed.", "没有漏掉接触。"]
-          : [
-              `Missed: bench ${missed.bench}, touched for ${long} s.`,
-              `漏掉了与 ${missed.bench} 号板凳的接触，历时 ${long} s。`,
-            ];
+        : [
+            `Missed: bench ${missed.bench}, touched for ${long} s.`,
+            `漏掉了与 ${missed.bench} 号板凳的接触，历时 ${long} s。`,
+          ];
     const at = time.value.toFixed(3);
     const apart = (1000 * now.gap).toFixed(3).replace("-", "−");
     const { bench } = found;

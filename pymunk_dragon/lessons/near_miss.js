@@ -32,17 +32,23 @@ stages["near-miss"] = (lab) => {
     show: magnification,
   });
   const march = new March({ benches: 60 });
+  /** @type {number} */
   let cutTo;
+  /** @type {number} */
   let scale;
+  /** @type {Point[]} */
   let gaps;
 
+  /** @type {(value: number) => number} */
   const cut = (value) => (cutTo === exact ? value : Math.trunc(value * scale) / scale);
+  /** @type {(t: number, handles?: number) => Benches<BenchSizes>} */
   const benchesAt = (t, handles) =>
     benchesBetween(
       march.dragon,
       march.chain(t, handles).points.map((point) => point.map(cut)),
     );
   const upToNow = () => gaps.filter(([t]) => t < now.seen + 1e-9);
+  /** @type {() => ChartView} */
   const view = () => ({
     across: [begin, end],
     up: [-8, 30],
@@ -68,7 +74,7 @@ stages["near-miss"] = (lab) => {
     if (cutTo !== decimals.value) {
       cutTo = decimals.value;
       scale = 10 ** cutTo;
-      gaps = range(begin, end, 760).map((t) => [t, 1000 * benchesAt(t, 14).nearest(0).gap]);
+      gaps = range(begin, end, 760).map((t) => [t, 1000 * nearestToHead(benchesAt(t, 14)).gap]);
     }
     now.update();
   };

@@ -23,16 +23,25 @@ stages.pitch = (lab) => {
     value: 0,
     show: roundSeconds,
   });
+  /** @type {March} */
   let march;
+  /** @type {number} */
   let arrival;
+  /** @type {number | null} */
   let stop;
+  /** @type {number} */
   let time;
+  /** @type {number} */
   let exact;
+  /** @type {number} */
   let sampled;
+  /** @type {number} */
   let sampledBy;
+  /** @type {Point[]} */
   let points;
 
   // More than a turn back there are no benches that the head passes.
+  /** @type {(t: number) => number} */
   const gap = (t) => march.gap(t, 30);
   lab.label = [
     "The dragon on its way to the circle, as far as it gets",
@@ -58,6 +67,7 @@ stages.pitch = (lab) => {
     exact = Math.min(gap(least), gap(arrival));
     // Of dense samples, only those beside the minimum and the last one can be the smallest.
     const dense = length < 0.1;
+    /** @type {(k: number) => boolean} */
     const beside = (k) => Math.abs(first + k * length - least) < 50 * length || k === count;
     const samples = range(0, count, count).filter((k) => !dense || beside(k));
     sampled = Math.min(...samples.map((k) => gap(first + k * length)));
@@ -86,7 +96,7 @@ stages.pitch = (lab) => {
     const all = (1000 * exact).toFixed(3);
     const seen = (1000 * sampled).toFixed(3);
     const { spiral, begin } = march;
-    const away = (spiral.k * spiral.angle(begin + stop)).toFixed(3);
+    const away = (spiral.k * spiral.angle(begin + (stop ?? 0))).toFixed(3);
     const bench = stop && march.passed(stop, 30).bench;
     const [english, chinese] =
       stop === null

@@ -20,6 +20,7 @@ stages.robot = (lab) => {
     digits: 2,
     play: () => 1,
   });
+  /** @type {Point[]} */
   let points = [
     [-1.9, 0],
     [-1.6, 0],
@@ -38,32 +39,46 @@ stages.robot = (lab) => {
     [0.05, 0.05],
     [-0.1, -0.1],
   ];
+  /** @type {DrawnPath} */
   let path;
+  let stale = true; // the points have changed since the path was made
+  /** @type {number} */
   let begin;
+  /** @type {number | null} */
   let stop;
+  /** @type {number[]} */
   let hit;
+  /** @type {number} */
   let total;
+  /** @type {Point[] | null} */
   let drawn;
+  /** @type {Chain} */
   let chain;
   let tooShort = false;
 
   // The arm with its tip at a coordinate: the smallest gap between two links, and which. It is -1
   // where a joint has no place on the path, or would go back.
+  /** @type {(s: number) => { gap: number, links: number[] }} */
   const closest = (s) => {
     const { points: joints, ratios } = chainAt(path, arm, s);
     if (ratios.length <= arm.benches || !ratios.every((ratio) => ratio > 0)) {
       return { gap: -1, links: [] };
     }
     const links = benchesBetween(arm, joints);
-    let found = { gap: Infinity };
+    /** @type {NearestBench | null} */
+    let nearest = null;
+    let other = 0;
     for (let i = 2; i < arm.benches; i++) {
-      const nearer = links.nearest(i, found, i - 1);
-      if (nearer !== found) found = { gap: nearer.gap, links: [nearer.bench, i] };
+      const nearer = links.nearest(i, nearest, i - 1);
+      if (nearer !== nearest) other = i;
+      nearest = nearer;
     }
-    return found;
+    const { gap, bench } = /** @type {NearestBench} */ (nearest);
+    return { gap, links: [bench, other] };
   };
   const follow = () => {
     path = new DrawnPath(points);
+    stale = false;
     // All of the arm is on the path at the start: each
     // joint is the next one ahead of that behind it.
     begin = arm.spacings.reduceRight((s, spacing) => neighbour(path, s, spacing, 1), clear);
@@ -76,7 +91,7 @@ stages.robot = (lab) => {
 
   lab.label = ["The arm on a path, which you draw", "机械臂和由你画出的路线"];
   lab.update = () => {
-    if (!path) follow();
+    if (stale) follow();
     if (Number.isNaN(begin)) return;
     chain = chainAt(
       path,
@@ -93,6 +108,7 @@ stages.robot = (lab) => {
       });
       pane.line(drawn ?? curvePoints(path, 0, path.end, 0.01), { colour: "curve", width: 2 });
       if (drawn || Number.isNaN(begin)) return;
+      /** @type {(i: number) => string} */
       const colour = (i) =>
         time.value >= total && hit.includes(i) ? "contact" : i === 0 ? "head" : "body";
       pane.benches(benchesBetween(arm, chain.points), colour);
@@ -103,12 +119,13 @@ stages.robot = (lab) => {
     drawn = ended ? null : line;
     const kept = line.slice(0, 1);
     for (const [x, y] of line) {
-      if (Math.hypot(x - kept.at(-1)[0], y - kept.at(-1)[1]) >= apart) kept.push([x, y]);
+      const [lastX, lastY] = lastOf(kept);
+      if (Math.hypot(x - lastX, y - lastY) >= apart) kept.push([x, y]);
     }
     tooShort = ended && kept.length < 4;
     if (!ended || tooShort) return;
     points = kept.slice(0, most);
-    path = null;
+    stale = true;
     time.value = 0;
   });
   for (let i = 0; i < most; i++) {
@@ -118,7 +135,7 @@ stages.robot = (lab) => {
       at: () => points[i] ?? [NaN, NaN],
       moved: (point) => {
         points[i] = point;
-        path = null;
+        stale = true;
         tooShort = false;
       },
     });

@@ -11,11 +11,14 @@ stages.sat = (lab) => {
     [0.8, 0.45, Math.PI / 6],
   ]; // x, y, angle
   let own = -0.8;
+  /** @type {Benches<BenchSizes>} */
   let benches;
+  /** @type {Wall[]} */
   let walls;
 
   // A wall along an angle, on its left or right side: the shadows of both benches on it,
   // and the light between them.
+  /** @type {(angle: number, side: number, distance: number) => Wall} */
   const wall = (angle, side, distance) => {
     const cos = Math.cos(angle);
     const sin = Math.sin(angle);
@@ -25,6 +28,7 @@ stages.sat = (lab) => {
     });
     const [[a, b], [c, d]] = shadows;
     const light = c > b ? [b, c] : a > d ? [d, a] : undefined;
+    /** @type {(along: number, away?: number) => Point} */
     const at = (along, away = distance) => [
       along * cos - side * away * sin,
       along * sin + side * away * cos,

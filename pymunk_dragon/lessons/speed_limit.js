@@ -13,6 +13,7 @@ stages["speed-limit"] = (lab) => {
     digits: 2,
     play: () => speed.value,
   });
+  /** @type {(v: number) => string} */
   const show = (v) => `${v.toFixed(3)} m/s`;
   const speed = lab.slider(["speed of the head", "龙头速度"], {
     min: 1,
@@ -28,17 +29,27 @@ stages["speed-limit"] = (lab) => {
     value: 2,
   });
   const dragon = makeDragon();
+  /** @type {number} */
   let shown;
+  /** @type {UTurn} */
   let curve;
+  /** @type {Point[]} */
   let points;
+  /** @type {Point[]} */
   let profile;
+  /** @type {number} */
   let peak;
+  /** @type {number} */
   let most;
+  /** @type {Chain} */
   let chain;
+  /** @type {number[]} */
   let speeds;
+  /** @type {number} */
   let fastest;
   let seen = from;
 
+  /** @type {(s: number) => number} */
   const largest = (s) => Math.max(...chainAt(curve, dragon, s, followed).ratios.map(Math.abs));
   lab.label = [
     "The dragon, red where it is too fast; below, the speed of the fastest handle",

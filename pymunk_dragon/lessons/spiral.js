@@ -18,11 +18,17 @@ stages.spiral = (lab) => {
     play: () => 20,
   });
   const dragon = makeDragon();
+  /** @type {Spiral} */
   let spiral;
+  /** @type {number} */
   let begin;
+  /** @type {number} */
   let end;
+  /** @type {number} */
   let head;
+  /** @type {Point[]} */
   let points;
+  /** @type {Point[]} */
   let marks;
 
   lab.label = [
@@ -52,7 +58,7 @@ stages.spiral = (lab) => {
       pane.benches(benchesBetween(dragon, chainAt(spiral, dragon, head).points));
       const walked = curvePoints(spiral, head - piece, head);
       pane.fill([[0, 0], ...walked], { colour: "head", alpha: 0.4 });
-      pane.line([walked[0], [0, 0], walked.at(-1)], { width: 1.5 });
+      pane.line([walked[0], [0, 0], lastOf(walked)], { width: 1.5 });
       pane.line(walked, { colour: "contact", width: 4 });
       pane.dot([0, 0], { radius: 6 });
       pane.text([0, 0], lab.say(["you", "你"]), { dy: 17 });

@@ -14,7 +14,9 @@ stages["u-turn"] = (lab) => {
   const dragon = makeDragon({ benches: 60 });
   const contest = new UTurn({ ratio: 2 });
   let share = 0;
+  /** @type {UTurn} */
   let own;
+  /** @type {number} */
   let jam;
 
   const bend = () => {
@@ -23,6 +25,17 @@ stages["u-turn"] = (lab) => {
     jam = range(0, 20, 1000).find((s) => !(chainAt(own, dragon, s, 2).ratios[1] > 0)) ?? Infinity;
   };
   bend();
+
+  // A dragon on its curve; from the time `last` on only the head's handle.
+  /** @type {(pane: StagePane, curve: UTurn, colour: string, last: number) => void} */
+  const drawDragon = (pane, curve, colour, last) => {
+    pane.line(curvePoints(curve, -40, 54), { colour: "curve" });
+    pane.line(curvePoints(curve, 0, curve.length), { colour, width: 3 });
+    const handles = time.value < last ? dragon.benches + 1 : 1;
+    const { points } = chainAt(curve, dragon, time.value, handles);
+    pane.benches(benchesBetween(dragon, points), (i) => (i === 0 ? "head" : colour), 0.85);
+    pane.dot(points[0], { colour, radius: 7 });
+  };
 
   lab.label = [
     "Two dragons that turn inside the circle along different arcs",
@@ -34,21 +47,8 @@ stages["u-turn"] = (lab) => {
     (pane) => {
       pane.line(circlePoints([0, 0], radius), { colour: "rule", width: 2 });
       pane.line([own.points[0], own.points[2]], { colour: "quiet", dash: [5, 5] });
-      for (const [curve, colour, last] of [
-        [contest, "body", Infinity],
-        [own, "tail", jam],
-      ]) {
-        pane.line(curvePoints(curve, -40, 54), { colour: "curve" });
-        pane.line(curvePoints(curve, 0, curve.length), { colour, width: 3 });
-        const { points } = chainAt(
-          curve,
-          dragon,
-          time.value,
-          time.value < last ? dragon.benches + 1 : 1,
-        );
-        pane.benches(benchesBetween(dragon, points), (i) => (i === 0 ? "head" : colour), 0.85);
-        pane.dot(points[0], { colour, radius: 7 });
-      }
+      drawDragon(pane, contest, "body", Infinity);
+      drawDragon(pane, own, "tail", jam);
       pane.text(contest.frame(time.value), lab.say(["contest", "竞赛题"]), { dy: -16 });
       pane.text(own.frame(time.value), lab.say(["you", "你"]), { dy: 18 });
     },
@@ -69,6 +69,7 @@ stages["u-turn"] = (lab) => {
     },
   );
   lab.readout = () => {
+    /** @type {(curve: UTurn) => string} */
     const sum = ({ lengths: [first, second] }) => {
       // what the head has walked
       const one = bounded(time.value, 0, first);

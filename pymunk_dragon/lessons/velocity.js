@@ -9,6 +9,7 @@ stages.velocity = (lab) => {
     play: () => 10,
   });
   const units = ["s", "ms", "µs", "ns", "ps"];
+  /** @type {(exponent: number) => string} */
   const show = (exponent) => {
     const unit = Math.ceil(-exponent / 3);
     return `${Number((10 ** (exponent + 3 * unit)).toPrecision(2))} ${units[unit]}`;
@@ -23,10 +24,15 @@ stages.velocity = (lab) => {
   const march = new March();
   const { spiral, dragon } = march;
   const points = curvePoints(spiral, march.begin - 370, 0);
+  /** @type {Chain} */
   let chain;
+  /** @type {number[]} */
   let speeds;
+  /** @type {number} */
   let error;
+  /** @type {Map<number, number>} */
   let tried;
+  /** @type {number} */
   let triedAt;
 
   lab.label = [
@@ -54,10 +60,15 @@ stages.velocity = (lab) => {
   };
   lab.pane(
     0.55,
-    () => ({ x: 0, y: 0, size: 2.6 * Math.hypot(...chain.points.at(-1).slice(0, 2)) }),
+    () => ({
+      x: 0,
+      y: 0,
+      size: 2.6 * Math.hypot(lastOf(chain.points)[0], lastOf(chain.points)[1]),
+    }),
     (pane) => {
       pane.line(points, { colour: "curve" });
-      const loss = (i) => (1 - speeds[i]) / (1 - speeds.at(-1));
+      /** @type {(i: number) => number} */
+      const loss = (i) => (1 - speeds[i]) / (1 - lastOf(speeds));
       pane.benches(benchesBetween(dragon, chain.points), (i) =>
         lab.mixed("head", "contact", loss(i)),
       );
@@ -67,6 +78,7 @@ stages.velocity = (lab) => {
     },
   );
   // 10⁻³ of -3.
+  /** @type {(n: number | string) => string} */
   const tick = (n) =>
     `10${String(n).replace(/./g, (digit) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(digit)])}`;
   const chart = lab.pane(
@@ -90,7 +102,7 @@ stages.velocity = (lab) => {
     },
   });
   lab.readout = () => {
-    const tail = 1000 * speeds.at(-1);
+    const tail = 1000 * lastOf(speeds);
     const last = tail.toFixed(3);
     const slower = (1000 - tail).toFixed(3);
     const length = show(step.value);

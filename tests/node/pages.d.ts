@@ -3,7 +3,7 @@
 type Point = [number, number];
 /** Numbers of which the first are x and y, or the components of a vector. */
 type Numbers = readonly number[];
-type Range = [number, number];
+type Limits = [number, number];
 type Pair = readonly [number, number];
 
 interface Field {

@@ -61,6 +61,9 @@ function range(from, to, count) {
   return Array.from({ length: count + 1 }, (_, i) => from + (count && ((to - from) * i) / count));
 }
 
+/** @type {<T>(items: ArrayLike<T>) => T} */
+const lastOf = (items) => items[items.length - 1];
+
 // Rows of an array of numbers, as arrays.
 /** @param {Float32Array | Float64Array} numbers @param {number} size */
 function* rowsOf(numbers, size) {

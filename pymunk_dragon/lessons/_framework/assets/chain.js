@@ -22,21 +22,29 @@ const GOLDEN = (Math.sqrt(5) - 1) / 2; // ratio of the golden section
 // The spiral r = k theta, travelled inward; the coordinate
 // is the arc length from the centre, negative.
 class Spiral {
+  /** @param {number} pitch */
   constructor(pitch) {
-    Object.assign(this, { k: pitch / TURN, begin: -Infinity, end: 0, known: [0, 0] });
+    this.k = pitch / TURN;
+    this.begin = -Infinity;
+    this.end = 0;
+    /** @type {[number, number]} */
+    this.known = [0, 0];
   }
 
+  /** @type {(theta: number) => number} */
   atAngle(theta) {
     const rise = Math.sqrt(theta * theta + 1);
     return (-this.k / 2) * (theta * rise + Math.log(theta + rise));
   }
 
+  /** @type {(radius: number) => number} */
   atRadius(radius) {
     return this.atAngle(radius / this.k);
   }
 
   // Polar angle, counted from the centre: Newton's method from the asymptotic form.
   // The last one is known.
+  /** @type {(s: number) => number} */
   angle(s) {
     if (s === this.known[0]) return this.known[1];
     const target = (-2 * s) / this.k;
@@ -55,6 +63,7 @@ class Spiral {
   // Coordinate of the first point behind `s` at the straight distance `chord`, if it is within half
   // a turn, in which the distance grows all the time; otherwise NaN. Newton's method for the angle
   // between both, from about `guess` m.
+  /** @type {(s: number, chord: number, guess?: number) => number} */
   behind(s, chord, guess = chord) {
     const { k } = this;
     const theta = this.angle(s);
@@ -74,6 +83,7 @@ class Spiral {
     return this.known[0];
   }
 
+  /** @type {(s: number) => Frame} */
   frame(s) {
     const theta = this.angle(s);
     const radius = this.k * theta;
@@ -87,6 +97,7 @@ class Spiral {
 // In on a spiral, round inside a circle on two arcs whose radii have a ratio, and out;
 // s is 0 at the entry.
 class UTurn {
+  /** @param {{ pitch?: number, radius?: number, ratio?: number }} sizes */
   constructor({ pitch = 1.7, radius = 4.5, ratio = 2 } = {}) {
     const theta = (TURN * radius) / pitch;
     const aside = Math.atan(theta);
@@ -94,10 +105,12 @@ class UTurn {
     // Each arc's chord is twice its radius times the sine of half its angle;
     // together they are the diameter.
     const radii = [ratio, 1].map((share) => ((radius / Math.sin(aside)) * share) / (1 + ratio));
+    /** @type {Point[]} */
     this.points = [1, (1 - ratio) / (1 + ratio), -1].map((share) => [
       share * radius * Math.cos(theta),
       share * radius * Math.sin(theta),
     ]);
+    /** @type {(point: Point, r: number, side: number, angle: number) => TurnArc} */
     const arc = ([x, y], r, side, angle) => ({
       centre: [x - side * r * Math.sin(heading), y + side * r * Math.cos(heading)],
       radius: r,
@@ -116,6 +129,7 @@ class UTurn {
     this.end = Infinity;
   }
 
+  /** @type {(s: number) => Frame} */
   frame(s) {
     if (s < 0) return this.spiral.frame(this.entry + s);
     if (s < this.lengths[0]) return this.onArc(this.arcs[0], s);
@@ -125,6 +139,7 @@ class UTurn {
     return [-x, -y, tx, ty];
   }
 
+  /** @type {(arc: TurnArc, s: number) => Frame} */
   onArc({ centre, radius, side, angle }, s) {
     const cos = Math.cos(angle + (side * s) / radius);
     const sin = Math.sin(angle + (side * s) / radius);
@@ -136,12 +151,13 @@ class UTurn {
 // ends. Its coordinate is the length of the chords, and only nearly the arc length: `length` and
 // `atLength` convert.
 class DrawnPath {
+  /** @param {Numbers[]} points */
   constructor(points) {
     const chords = points
       .slice(1)
       .map(([x, y], i) => Math.hypot(x - points[i][0], y - points[i][1]));
     this.knots = [0];
-    for (const chord of chords) this.knots.push(this.knots.at(-1) + chord);
+    for (const chord of chords) this.knots.push(lastOf(this.knots) + chord);
     this.cubics = [0, 1].map((axis) =>
       splineCubics(
         points.map((point) => point[axis]),
@@ -149,13 +165,14 @@ class DrawnPath {
       ),
     );
     this.begin = 0;
-    this.end = this.knots.at(-1);
+    this.end = lastOf(this.knots);
     // The lengths up to the knots.
     this.lengths = [0];
     for (const knot of this.knots.slice(1)) this.lengths.push(this.length(knot));
   }
 
   // The number of the piece with a coordinate.
+  /** @type {(s: number) => number} */
   piece(s) {
     let i = 0;
     while (i < this.knots.length - 2 && s >= this.knots[i + 1]) i++;
@@ -163,6 +180,7 @@ class DrawnPath {
   }
 
   // Position and derivative, as x, y, and x and y, with the cubic of a piece.
+  /** @type {(s: number, i?: number) => Frame} */
   motion(s, i = this.piece(s)) {
     const w = s - this.knots[i];
     const [a, b, c, d] = this.cubics[0][i];
@@ -175,12 +193,14 @@ class DrawnPath {
     ];
   }
 
+  /** @type {(s: number) => Frame} */
   frame(s) {
     const [x, y, dx, dy] = this.motion(s);
     const speed = Math.sqrt(dx * dx + dy * dy);
     return [x, y, dx / speed, dy / speed];
   }
 
+  /** @type {(s: number) => number} */
   length(s) {
     const i = Math.min(this.piece(s), this.lengths.length - 1);
     const half = (s - this.knots[i]) / 2 / CELLS;
@@ -195,6 +215,7 @@ class DrawnPath {
     return sum;
   }
 
+  /** @type {(length: number) => number} */
   atLength(length) {
     return rootBetween((s) => length - this.length(s), this.begin, this.end);
   }
@@ -203,6 +224,7 @@ class DrawnPath {
 // Coefficients of a cubic spline between knots that are `h` apart, by powers of the distance from
 // the knot before: its slopes solve a tridiagonal system (C. de Boor, A Practical Guide to Splines,
 // chapter IV).
+/** @type {(values: number[], h: number[]) => number[][]} */
 function splineCubics(values, h) {
   const n = values.length;
   const rise = h.map((each, i) => (values[i + 1] - values[i]) / each);
@@ -224,6 +246,7 @@ function splineCubics(values, h) {
     rows[i][1] -= share * rows[i - 1][2];
     rows[i][3] -= share * rows[i - 1][3];
   }
+  /** @type {number[]} */
   const slopes = [];
   for (let i = n - 1; i >= 0; i--) {
     slopes[i] = (rows[i][3] - rows[i][2] * (slopes[i + 1] ?? 0)) / rows[i][1];
@@ -236,7 +259,12 @@ function splineCubics(values, h) {
   ]);
 }
 
+// One of the sizes of benches, which may be a number for all of them.
+/** @type {(sizes: number | number[], i: number) => number} */
+const sizeOf = (sizes, i) => (typeof sizes === "number" ? sizes : sizes[i]);
+
 // Benches as geometry.js takes them; by default the contest's dragon.
+/** @type {(sizes?: DragonSizes) => Dragon} */
 function makeDragon({
   benches = 223,
   head = 2.86,
@@ -245,22 +273,25 @@ function makeDragon({
   width = 0.3,
 } = {}) {
   const spacings = Array.from({ length: benches }, (_, i) =>
-    i === 0 ? head : (body[i - 1] ?? body),
+    i === 0 ? head : sizeOf(body, i - 1),
   );
-  const widths = spacings.map((_, i) => width[i] ?? width);
+  const widths = spacings.map((_, i) => sizeOf(width, i));
   return { benches, spacings, widths, lengths: spacings.map((spacing) => spacing + 2 * overhang) };
 }
 
 // Coordinate of the first point behind `s` at the straight distance `chord`, or ahead with `way` 1.
 // NaN if the curve ends before, or turns back so that the distance shrinks first. `guess` is about
 // how far away along the curve it is. A curve may have a faster method `behind`.
+/** @type {(curve: Curve, s: number, chord: number, way?: number, guess?: number) => number} */
 function neighbour(curve, s, chord, way = -1, guess = chord) {
-  const found = way < 0 ? curve.behind?.(s, chord, guess) : NaN;
+  const found = way < 0 ? (curve.behind?.(s, chord, guess) ?? NaN) : NaN;
   if (found < s) return found;
   const [x, y] = curve.frame(s);
   const room = way < 0 ? s - curve.begin : curve.end - s;
-  let distance;
-  let growth;
+  /** @type {number} */
+  let distance = 0;
+  let growth = 0;
+  /** @type {(offset: number) => void} */
   const evaluate = (offset) => {
     const [px, py, tx, ty] = curve.frame(s + way * offset);
     distance = Math.sqrt((px - x) ** 2 + (py - y) ** 2);
@@ -291,7 +322,9 @@ function neighbour(curve, s, chord, way = -1, guess = chord) {
 // The first `count` handles of a dragon with its head at the coordinate `head`, fewer if the curve
 // takes no more: coordinates, points with tangents as `frame` has them, and velocities along the
 // curve in units of the head's.
+/** @type {(curve: Curve, dragon: Dragon, head: number, count?: number) => Chain} */
 function chainAt(curve, { benches, spacings }, head, count = benches + 1) {
+  /** @type {Chain} */
   const chain = { s: [head], points: [curve.frame(head)], ratios: [1] };
   for (let i = 1; i < count; i++) {
     const chord = spacings[i - 1];
@@ -311,42 +344,61 @@ function chainAt(curve, { benches, spacings }, head, count = benches + 1) {
 }
 
 // Benches between handles, from the head on.
+/** @type {(dragon: Dragon, points: Numbers[]) => Benches<BenchSizes>} */
 function benchesBetween(dragon, points) {
   return new Benches({ ...dragon, benches: points.length - 1 }, posesBetween(points));
 }
 
+// The bench closest to the head, and the gap; there are at least three benches.
+/** @type {(benches: Benches<BenchSizes>) => NearestBench} */
+function nearestToHead(benches) {
+  return /** @type {NearestBench} */ (benches.nearest(0));
+}
+
 // The contest's march from turn 16 of a spiral on, at 1 m/s; `sizes` are those of `makeDragon`.
 class March {
+  /** @param {DragonSizes & { pitch?: number }} sizes */
   constructor({ pitch = 0.55, ...sizes } = {}) {
-    Object.assign(this, { pitch, dragon: makeDragon(sizes), spiral: new Spiral(pitch) });
+    this.pitch = pitch;
+    this.dragon = makeDragon(sizes);
+    this.spiral = new Spiral(pitch);
     this.begin = this.spiral.atAngle(16 * TURN);
+    /** @type {Map<number, number>} */
     this.gaps = new Map();
   }
 
+  /** @type {(t: number, handles?: number) => Chain} */
   chain(t, handles) {
     return chainAt(this.spiral, this.dragon, this.begin + t, handles);
   }
 
+  /** @type {(t: number, handles?: number) => Benches<BenchSizes>} */
   benches(t, handles) {
     return benchesBetween(this.dragon, this.chain(t, handles).points);
   }
 
   // The bench closest to the head, of those that it passes, and the gap.
+  /** @type {(t: number, handles?: number) => NearestBench} */
   passed(t, handles = 14) {
-    return this.benches(t, handles).nearest(0);
+    return nearestToHead(this.benches(t, handles));
   }
 
   // Only the gap; each time is computed once.
+  /** @type {(t: number, handles?: number) => number} */
   gap(t, handles) {
-    if (!this.gaps.has(t)) this.gaps.set(t, this.passed(t, handles).gap);
-    return this.gaps.get(t);
+    const gap = this.gaps.get(t) ?? this.passed(t, handles).gap;
+    this.gaps.set(t, gap);
+    return gap;
   }
 }
 
 // Pairs of benches, other than neighbours, that share a cell of a grid,
 // and the number of entries in cells.
+/** @type {(benches: Benches<BenchSizes>, grid: Grid) => Filed} */
 function gridPairs(benches, grid) {
+  /** @type {Map<string, number[]>} */
   const cells = new Map();
+  /** @type {Set<number>} */
   const pairs = new Set();
   const count = benches.motion.benches;
   let entries = 0;
@@ -368,6 +420,7 @@ function gridPairs(benches, grid) {
 
 // A root of a function between `before`, where it is positive, and `after`, where it is not,
 // by bisection.
+/** @type {(f: (x: number) => number, before: number, after: number) => number} */
 function rootBetween(f, before, after) {
   while (Math.abs(after - before) > ROOT_TOLERANCE) {
     const middle = (before + after) / 2;
@@ -378,6 +431,7 @@ function rootBetween(f, before, after) {
 }
 
 // Where a function is smallest between two arguments, if it has one minimum there.
+/** @type {(f: (x: number) => number, a: number, b: number) => number} */
 function minimumBetween(f, a, b) {
   for (let pass = 0; pass < 36; pass++) {
     const c = b - GOLDEN * (b - a);
@@ -389,6 +443,7 @@ function minimumBetween(f, a, b) {
 }
 
 // The argument of those given for which a function is smallest.
+/** @type {<T>(all: T[], f: (each: T) => number) => T} */
 function smallestOf(all, f) {
   const values = all.map(f);
   return all[values.indexOf(Math.min(...values))];
@@ -396,6 +451,10 @@ function smallestOf(all, f) {
 
 // The first root of a gap between two arguments, in steps
 // that see each of its minima below `near`; null if none.
+/**
+ * @type {(gap: (at: number) => number, begin: number, end: number, step: number, near: number) =>
+ *   number | null}
+ */
 function firstContact(gap, begin, end, step, near) {
   let before = Infinity;
   let last = gap(begin);

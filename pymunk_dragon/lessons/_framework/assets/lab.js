@@ -3,14 +3,18 @@
 // `lab.label`, what the canvas shows, and `lab.readout()`, what it says; `lab.update()` runs before
 // each picture. A text is a pair, in English and in Chinese.
 
+/** @type {Record<string, (lab: Lab) => void>} */
 const stages = {};
 
 const LONGEST_FRAME = 0.1; // s: what one picture adds at most where a slider plays
+/** @type {Record<string, Point>} */
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowDown: [0, -1], ArrowUp: [0, 1] };
 
+/** @type {(div: HTMLElement) => void} */
 function openStage(div) {
+  /** @type {Lab} */
   const lab = new Lab(div);
-  stages[div.dataset.stage](lab);
+  stages[div.dataset.stage ?? ""](lab);
   document.addEventListener("languagechange", () => lab.changed());
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => lab.readColours());
   new ResizeObserver(() => lab.changed()).observe(lab.scene);
@@ -18,29 +22,48 @@ function openStage(div) {
 }
 
 class Lab {
+  /** @param {HTMLElement} div */
   constructor(div) {
     this.canvas = created("canvas", { role: "img" });
     this.scene = created("div", { className: "scene" }, this.canvas);
     this.output = created("output", { className: "readout" });
     this.controls = created("div", { className: "controls" });
     div.replaceChildren(this.scene, this.output, this.controls);
-    this.context = this.canvas.getContext("2d", { alpha: false });
+    this.context = /** @type {CanvasRenderingContext2D} */ (
+      this.canvas.getContext("2d", { alpha: false })
+    );
+    /** @type {Row[]} */
     this.rows = [];
+    /** @type {StagePane[]} */
     this.panes = [];
+    /** @type {{ knob: HTMLElement, label: Words, pane: StagePane, at: () => Numbers }[]} */
     this.knobs = [];
     this.painted = 0;
+    this.colours = readColours();
+    this.font = fontOf(this.scene);
+    /** @type {number | undefined} */
+    this.scheduled = undefined;
+    /** @type {Words} */
+    this.label = ["", ""];
+    /** @type {() => Words} */
+    this.readout = () => ["", ""];
+    /** @type {(() => void) | undefined} */
+    this.update = undefined;
   }
 
+  /** @type {(words: Words) => string} */
   say([english, chinese]) {
     return document.documentElement.lang === "zh" ? chinese : english;
   }
 
   readColours() {
-    Object.assign(this, { colours: readColours(), font: getComputedStyle(this.scene).fontFamily });
+    this.colours = readColours();
+    this.font = fontOf(this.scene);
     this.changed();
   }
 
   // A mixture of two colours, with a share of the second from 0 to 1.
+  /** @type {(one: string, two: string, share: number) => string} */
   mixed(one, two, share) {
     const percent = 100 * bounded(share, 0, 1);
     return `color-mix(in oklab, ${this.colours[two]} ${percent}%, ${this.colours[one]})`;
@@ -56,12 +79,14 @@ class Lab {
 
   // A slider; `show` writes its value, by default with so many `digits` and a unit. One with
   // `play()`, the change of its value in a second, has a button that moves it.
+  /** @type {(label: Words, options: SliderOptions) => Slid} */
   slider(label, { min, max, step, value, unit = "", digits, play, show }) {
     const input = created("input", { type: "range", min, max, step, value });
     const name = created("span");
     const shown = created("span", { className: "value" });
-    const row = { label, input, name, shown, play, plays: false };
-    row.show = show ?? ((given) => `${digits ? given.toFixed(digits) : given} ${unit}`);
+    const written = show ?? ((given) => `${digits ? given.toFixed(digits) : given} ${unit}`);
+    /** @type {Row} */
+    const row = { label, input, name, shown, play, plays: false, exact: value, show: written };
     const div = created("div", { className: "slider" }, created("label", {}, name, input), shown);
     input.addEventListener("input", () => {
       row.plays = false;
@@ -84,28 +109,38 @@ class Lab {
         return Number(input.value);
       },
       set value(given) {
-        input.value = given;
+        input.value = String(given);
         row.plays = false;
       },
+      get max() {
+        return Number(input.max);
+      },
       set max(given) {
-        input.max = given;
+        input.max = String(given);
       },
     };
   }
 
   // A part of the canvas below those before, with a share of its height; `draw` takes the pane.
   // See `StagePane`.
+  /** @type {(share: number, view: () => PaneView, draw: (pane: StagePane) => void) => StagePane} */
   pane(share, view, draw) {
-    this.panes.push(new StagePane(this, share, view, draw));
-    return this.panes.at(-1);
+    const pane = new StagePane(this, share, view, draw);
+    this.panes.push(pane);
+    return pane;
   }
 
   // A thing to drag at the point `at()` of a pane. `moved` takes the point to which it goes, and
   // from an arrow key, which moves it by `step`, also 1 (right, up) or -1; with Shift 10 or -10.
+  /**
+   * @type {(label: Words, options: { pane?: StagePane, at: () => Numbers, step?: number, small?:
+   *   boolean, moved: (point: Point, way?: number) => unknown }) => void}
+   */
   knob(label, { pane = this.panes[0], at, moved, step = 0.05, small = false }) {
     const knob = created("button", { type: "button", className: small ? "small knob" : "knob" });
-    const change = (...to) => {
-      moved(...to);
+    /** @type {(point: Point, way?: number) => void} */
+    const change = (point, way) => {
+      moved(point, way);
       this.changed();
     };
     knob.addEventListener("pointerdown", ({ pointerId }) => knob.setPointerCapture(pointerId));
@@ -126,9 +161,12 @@ class Lab {
 
   // Lines drawn on a pane with mouse, pen or finger: `drawn` takes the points so far,
   // and whether the line ends.
+  /** @type {(pane: StagePane, drawn: (points: Point[], ended: boolean) => void) => void} */
   pen(pane, drawn) {
     const { canvas } = this;
+    /** @type {Point[]} */
     let points;
+    /** @type {(ended: boolean) => void} */
     const change = (ended) => {
       drawn(points, ended);
       this.changed();
@@ -146,6 +184,7 @@ class Lab {
     canvas.addEventListener("lostpointercapture", () => change(true));
   }
 
+  /** @type {(now: number) => void} */
   paint(now) {
     this.play(Math.min((now - this.painted) / 1000, LONGEST_FRAME));
     this.painted = now;
@@ -163,16 +202,18 @@ class Lab {
   }
 
   // Move the sliders that play.
+  /** @type {(seconds: number) => void} */
   play(seconds) {
     for (const row of this.rows.filter(({ plays }) => plays)) {
-      row.exact += seconds * row.play();
-      row.input.value = row.exact;
+      row.exact += seconds * (row.play?.() ?? 0);
+      row.input.value = String(row.exact);
       row.plays = row.exact < Number(row.input.max);
       this.changed();
     }
   }
 
   // Everything beside the canvas: texts, and where the knobs are.
+  /** @type {(width: number) => void} */
   write(width) {
     for (const { label, input, show, name, shown, button, plays } of this.rows) {
       write(name, "textContent", this.say(label));
@@ -200,25 +241,37 @@ class Lab {
   }
 }
 
+/** @type {(i: number) => string} */
+const headAndBodies = (i) => (i === 0 ? "head" : "body");
+
 // A part of the stage's canvas. `view()` is {x, y, size}: the middle of the floor in view and its
 // height in m, and `wide`, its width, if that differs; or of a chart {across, up, name, tick} as in
 // `axes`, with both languages' names.
 class StagePane extends Pane {
+  /**
+   * @param {Lab} lab @param {number} share @param {() => PaneView} view @param {(pane: StagePane)
+   *   => void} draw
+   */
   constructor(lab, share, view, draw) {
     super(lab.context, lab);
-    Object.assign(this, { share, view, draw });
+    this.lab = lab;
+    this.share = share;
+    this.view = view;
+    this.draw = draw;
   }
 
+  /** @type {(top: number, width: number, height: number) => void} */
   paint(top, width, height) {
-    const { context, look: lab } = this;
-    const { x, y, size, wide = size, ...chart } = this.view();
+    const { context, lab } = this;
+    const view = this.view();
     Object.assign(this, { top, width, height });
     context.save();
     context.beginPath();
     context.rect(0, top, width, height);
     context.clip();
-    const scale = Math.min(width / wide, height / size);
-    if (size) {
+    if ("size" in view) {
+      const { x, y, size, wide = size } = view;
+      const scale = Math.min(width / wide, height / size);
       Object.assign(this, {
         x0: x,
         y0: y,
@@ -227,13 +280,17 @@ class StagePane extends Pane {
         left: width / 2,
         ceiling: top + height / 2,
       });
-    } else this.axes({ ...chart, name: lab.say(chart.name) });
+    } else this.axes({ ...view, name: lab.say(view.name) });
     this.draw(this);
     context.restore();
   }
 
   // Benches in the colours that `colour` has for their numbers, each above those behind it.
-  benches(benches, colour = (i) => (i === 0 ? "head" : "body"), alpha = 1) {
+  /**
+   * @type {(benches: Benches<BenchSizes>, colour?: (i: number) => string, alpha?: number) =>
+   *   void}
+   */
+  benches(benches, colour = headAndBodies, alpha = 1) {
     const { context } = this;
     Object.assign(context, { strokeStyle: this.colour("ink"), globalAlpha: alpha });
     context.lineWidth = bounded(0.02 * this.sx, 0.5, 1.25);
@@ -249,20 +306,26 @@ class StagePane extends Pane {
 }
 
 // 1, 2, 5, 10 and so on by their place, and for negative places 0.5, 0.2, 0.1.
+/** @type {(place: number) => number} */
 const roundNumber = (place) =>
   Number(`${[1, 2, 5][((place % 3) + 3) % 3]}e${Math.floor(place / 3)}`);
 
+/** @type {(place: number) => string} */
 const roundSeconds = (place) => `${roundNumber(place)} s`;
 
+/** @type {(exponent: number) => string} */
 const magnification = (exponent) => `× ${(10 ** exponent).toFixed(0)}`;
 
 // Points of a curve between two coordinates, and of a circle.
+/** @type {(curve: Curve, from: number, to: number, step?: number) => Point[]} */
 function curvePoints(curve, from, to, step = 0.1) {
-  return range(from, to, Math.max(Math.ceil((to - from) / step), 1)).map((s) =>
-    curve.frame(s).slice(0, 2),
-  );
+  return range(from, to, Math.max(Math.ceil((to - from) / step), 1)).map((s) => {
+    const [x, y] = curve.frame(s);
+    return [x, y];
+  });
 }
 
+/** @type {(centre: Numbers, radius: number) => Point[]} */
 function circlePoints([x, y], radius) {
   return range(0, TURN, 180).map((angle) => [
     x + radius * Math.cos(angle),
@@ -271,7 +334,9 @@ function circlePoints([x, y], radius) {
 }
 
 // The coordinate of a curve between two others that is closest to a point.
+/** @type {(curve: Curve, point: Numbers, from: number, to: number) => number} */
 function nearestOn(curve, [x, y], from, to) {
+  /** @type {(s: number) => number} */
   const apart = (s) => Math.hypot(curve.frame(s)[0] - x, curve.frame(s)[1] - y);
   const best = smallestOf(range(from, to, Math.ceil((to - from) / 0.1)), apart);
   return bounded(minimumBetween(apart, best - 0.1, best + 0.1), from, to);
@@ -280,10 +345,12 @@ function nearestOn(curve, [x, y], from, to) {
 // A pane of the floor where the head is closest to a bench, and a chart of its gap over time, where
 // time is dragged. `benchesAt(t, handles)` are the benches; `draw` adds to the chart, as up to
 // `now.seen`, the latest time so far.
+/** @type {(lab: Lab, parts: GapParts) => GapNow} */
 function gapPanes(lab, { time, size, benchesAt, view, draw }) {
-  const now = { seen: -Infinity };
+  /** @type {GapNow} */
+  const now = { seen: -Infinity, bench: 0, gap: Infinity, ends: [], update: () => {} };
   now.update = () =>
-    Object.assign(now, benchesAt(time.value, 14).nearest(0), {
+    Object.assign(now, nearestToHead(benchesAt(time.value, 14)), {
       seen: Math.max(now.seen, time.value),
     });
   lab.pane(

@@ -2,13 +2,22 @@
 
 // Languages: a button for each, and the address remembers which (lessons.html?zh#chain).
 const root = document.documentElement;
-const buttons = [...document.querySelectorAll(".languages button")];
+
+// An element that the page has.
+/** @type {(parent: ParentNode, selector: string) => any} */
+const part = (parent, selector) => parent.querySelector(selector);
+
+/** @type {HTMLButtonElement[]} */
+const buttons = Array.from(document.querySelectorAll(".languages button"));
 const languages = buttons.map((button) => button.value);
 
+/** @type {(language: string) => void} */
 function speak(language) {
   root.lang = language;
-  document.title = document.querySelector(`h1 [lang="${language}"]`).textContent;
-  for (const button of buttons) button.setAttribute("aria-pressed", button.value === language);
+  document.title = part(document, `h1 [lang="${language}"]`).textContent;
+  for (const button of buttons) {
+    button.setAttribute("aria-pressed", String(button.value === language));
+  }
   document.dispatchEvent(new Event("languagechange"));
 }
 
@@ -19,7 +28,7 @@ for (const button of buttons) {
     const others = location.search
       .slice(1)
       .split("&")
-      .filter((part) => part && !languages.includes(part));
+      .filter((each) => each && !languages.includes(each));
     rememberAddress(`?${[...others, button.value].join("&")}${location.hash}`);
   });
 }
@@ -27,18 +36,20 @@ speak(
   location.search
     .slice(1)
     .split("&")
-    .find((part) => languages.includes(part)) ?? root.lang,
+    .find((each) => languages.includes(each)) ?? root.lang,
 );
 
 // The live scene of a stage, where a live server has this page. One is open, as all belong to one
 // session; a button opens another one again.
+/** @type {(stage: HTMLElement) => void} */
 function openScene(stage) {
   for (const old of document.querySelectorAll("iframe")) {
-    old.replaceWith(old.closest(".experiment").querySelector(".main").cloneNode(true));
+    const still = part(/** @type {Element} */ (old.closest(".experiment")), ".main");
+    old.replaceWith(still.cloneNode(true));
   }
   const frame = document.createElement("iframe");
   const address = () => `live${location.search}#stage=${stage.dataset.live}&lang=${root.lang}`;
-  frame.title = stage.closest(".lesson").querySelector("h2").textContent.trim();
+  frame.title = part(stage.closest(".lesson") ?? stage, "h2").textContent.trim();
   frame.src = address();
   document.addEventListener("languagechange", () => {
     frame.src = address();
@@ -47,14 +58,19 @@ function openScene(stage) {
 }
 
 // The course of a lesson: guess, experiment, answer.
-for (const lesson of document.querySelectorAll(".lesson")) {
+for (const lesson of /** @type {NodeListOf<HTMLElement>} */ (
+  document.querySelectorAll(".lesson")
+)) {
   // No form: a frame with a sandbox allows none to be sent, and these are not.
-  const guesses = lesson.querySelector(".guesses");
+  const guesses = part(lesson, ".guesses");
+  /** @type {HTMLInputElement[]} */
   const choices = [...guesses.querySelectorAll("input")];
+  /** @type {HTMLFieldSetElement[]} */
   const fieldsets = [...guesses.querySelectorAll("fieldset")];
-  const stage = lesson.querySelector(".stage");
-  const answer = lesson.querySelector(".answer");
+  const stage = part(lesson, ".stage");
+  const answer = part(lesson, ".answer");
 
+  /** @type {(state: string) => void} */
   const enter = (state) => {
     lesson.dataset.state = state;
     for (const fieldset of fieldsets) fieldset.disabled = state !== "guess";
@@ -64,7 +80,7 @@ for (const lesson of document.querySelectorAll(".lesson")) {
     enter("open");
     if (stage.dataset.live && !stage.querySelector("figure, iframe")) openScene(stage);
     if (stage.dataset.stage && !stage.hasChildNodes()) openStage(stage);
-    const first = stage.querySelector("input, button, [tabindex]") ?? lesson.querySelector(".show");
+    const first = stage.querySelector("input, button, [tabindex]") ?? part(lesson, ".show");
     first.focus({ preventScroll: true });
   };
 
@@ -73,20 +89,22 @@ for (const lesson of document.querySelectorAll(".lesson")) {
   };
 
   // Also the button that takes the place of a live scene.
-  lesson.querySelector(".experiment").addEventListener("click", ({ target }) => {
+  part(lesson, ".experiment").addEventListener("click", (/** @type {any} */ { target }) => {
     if (target.closest(".open")) openGuessed();
     if (target.closest(".open-unguessed")) open();
   });
-  guesses.addEventListener("keydown", ({ key }) => key === "Enter" && openGuessed());
+  guesses.addEventListener("keydown", (/** @type {KeyboardEvent} */ { key }) => {
+    if (key === "Enter") openGuessed();
+  });
 
   // Guess and result side by side, and what comes of each choice.
-  lesson.querySelector(".show").addEventListener("click", () => {
+  part(lesson, ".show").addEventListener("click", () => {
     for (const [i, result] of [...lesson.querySelectorAll(".result")].entries()) {
-      const chosen = fieldsets[i].querySelector("input:checked");
+      const chosen = part(fieldsets[i], "input:checked");
       const words = chosen?.parentElement.querySelectorAll("span[lang]") ?? [];
-      result
-        .querySelector(".mine")
-        .replaceChildren(...(chosen ? [...words].map((each) => each.cloneNode(true)) : ["–"]));
+      part(result, ".mine").replaceChildren(
+        ...(chosen ? [...words].map((each) => each.cloneNode(true)) : ["–"]),
+      );
       for (const [choice, item] of [...result.querySelectorAll("li")].entries()) {
         item.classList.toggle("chosen", Number(chosen?.value ?? -1) === choice);
       }
@@ -95,7 +113,7 @@ for (const lesson of document.querySelectorAll(".lesson")) {
     answer.focus();
   });
 
-  lesson.querySelector(".again").addEventListener("click", () => {
+  part(lesson, ".again").addEventListener("click", () => {
     for (const choice of choices) choice.checked = false;
     if (stage.dataset.stage) stage.replaceChildren(); // The experiment begins anew.
     enter("guess");
@@ -108,9 +126,9 @@ for (const lesson of document.querySelectorAll(".lesson")) {
 for (const link of window === top ? [] : document.querySelectorAll("a[href^='#']")) {
   link.addEventListener("click", (event) => {
     event.preventDefault();
-    const part = link.getAttribute("href");
-    document.querySelector(part).scrollIntoView();
-    rememberAddress(part);
+    const address = link.getAttribute("href") ?? "";
+    part(document, address).scrollIntoView();
+    rememberAddress(address);
   });
 }
 
@@ -118,7 +136,9 @@ for (const link of window === top ? [] : document.querySelectorAll("a[href^='#']
 root.classList.toggle("sandboxed", window !== top && self.origin === "null");
 
 // Sheets to print: for the class or for the teacher, of one lesson or of all.
-for (const button of document.querySelectorAll(".sheets button")) {
+for (const button of /** @type {NodeListOf<HTMLButtonElement>} */ (
+  document.querySelectorAll(".sheets button")
+)) {
   button.addEventListener("click", () => {
     const lesson = button.closest(".lesson");
     root.dataset.print = button.value;

@@ -1,0 +1,111 @@
+// Types of what the scripts of lessons share, beside their own classes.
+
+/** x and y, and those of the unit tangent or of the derivative. */
+type Frame = [number, number, number, number];
+/** A text in English and in Chinese. */
+type Words = readonly [string, string];
+
+interface Curve {
+  begin: number;
+  end: number;
+  frame(s: number): Frame;
+  behind?(s: number, chord: number, guess?: number): number;
+}
+
+interface TurnArc {
+  centre: Point;
+  radius: number;
+  side: number;
+  angle: number;
+}
+
+interface DragonSizes {
+  benches?: number;
+  head?: number;
+  body?: number | number[];
+  overhang?: number;
+  width?: number | number[];
+}
+
+interface Dragon extends BenchSizes {
+  spacings: number[];
+  widths: number[];
+  lengths: number[];
+}
+
+interface Chain {
+  s: number[];
+  points: Frame[];
+  ratios: number[];
+}
+
+interface Filed {
+  cells: Map<string, number[]>;
+  entries: number;
+  pairs: number[][];
+}
+
+interface SliderOptions {
+  min: number;
+  max: number;
+  step: number;
+  value: number;
+  unit?: string;
+  digits?: number;
+  play?: () => number;
+  show?: (value: number) => string;
+}
+
+/** A slider as a lesson has it. */
+interface Slid {
+  value: number;
+  max: number;
+}
+
+/** A slider as the lab has it. */
+interface Row {
+  label: Words;
+  input: HTMLInputElement;
+  name: HTMLElement;
+  shown: HTMLElement;
+  play?: () => number;
+  plays: boolean;
+  show: (value: number) => string;
+  button?: HTMLButtonElement;
+  exact: number;
+}
+
+interface FloorView {
+  x: number;
+  y: number;
+  size: number;
+  wide?: number;
+}
+
+interface ChartView {
+  across: Limits;
+  up: Limits;
+  name: Words;
+  tick?: (value: number) => string;
+}
+
+type PaneView = FloorView | ChartView;
+
+interface GapParts {
+  time: { value: number };
+  size: () => number;
+  benchesAt: (t: number, handles?: number) => Benches<BenchSizes>;
+  view: () => ChartView;
+  draw: (pane: StagePane) => void;
+}
+
+interface GapNow extends NearestBench {
+  seen: number;
+  update(): void;
+}
+
+interface Wall {
+  shadows: number[][];
+  light: number[] | undefined;
+  at: (along: number, away?: number) => Point;
+}
