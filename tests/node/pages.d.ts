@@ -229,6 +229,7 @@ interface PageElements {
   play: HTMLButtonElement;
   previous: HTMLButtonElement;
   rate: HTMLSelectElement;
+  reset: HTMLButtonElement;
   save: HTMLAnchorElement;
   scene: HTMLSelectElement;
   slow: HTMLInputElement;

@@ -14,14 +14,27 @@ const IN_WIDGET = location.href.startsWith("about:srcdoc");
 // Takes the place of a WebSocket there: the widget passes on what is posted.
 class WidgetSocket {
   constructor() {
+    /** @type {number} */
     this.readyState = WebSocket.CONNECTING;
+    /** @type {() => void} */
+    this.onopen = () => {};
+    /** @type {(event: { data: unknown }) => void} */
+    this.onmessage = () => {};
+    /** @type {() => void} */
+    this.onclose = () => {};
+    /** @type {(event: MessageEvent) => unknown} */
     this.read = ({ source, data }) => source === parent && this.take(data);
     window.addEventListener("message", this.read);
+    /** @type {number} */
     this.waiting = setTimeout(() => this.close(), LAST_DELAY);
     this.send(0);
   }
 
   // A frame counts as drawn with the next picture; a page that nobody sees has none.
+  /**
+   * @type {(message: { text?: string, bytes?: ArrayBuffer, frame?: number, closed?: boolean }) =>
+   *   void}
+   */
   take({ text, bytes, frame, closed }) {
     clearTimeout(this.waiting);
     if (closed) {
@@ -33,9 +46,12 @@ class WidgetSocket {
       this.onopen();
     }
     this.onmessage({ data: bytes ?? text });
-    if (frame % TOLD_FRAME === 0) requestAnimationFrame(() => this.send(frame));
+    if (frame !== undefined && frame % TOLD_FRAME === 0) {
+      requestAnimationFrame(() => this.send(frame));
+    }
   }
 
+  /** @type {(content: unknown) => void} */
   send(content) {
     parent.postMessage(content, "*");
   }
@@ -50,31 +66,41 @@ class WidgetSocket {
 class Connection {
   // `received` gets each JSON message, `framed` each binary frame,
   // and `changed` whether the connection is open.
+  /**
+   * @param {{ received: (message: any) => void, framed: (buffer: ArrayBuffer) => void, changed:
+   *   (open: boolean) => void }} actions
+   */
   constructor({ received, framed, changed }) {
-    Object.assign(this, { received, framed, changed });
+    this.received = received;
+    this.framed = framed;
+    this.changed = changed;
+    this.heard = 0; // ms: time of the last message
+    /** @type {Socket | null} */
+    this.socket = null;
     this.delay = FIRST_DELAY;
     this.open();
     setInterval(() => this.ping(), PING_EVERY);
   }
 
   get connected() {
-    return this.socket.readyState === WebSocket.OPEN;
+    return this.socket?.readyState === WebSocket.OPEN;
   }
 
   open() {
-    const socket = (this.socket = IN_WIDGET
-      ? new WidgetSocket()
-      : new WebSocket(`socket${location.search}`));
+    /** @type {Socket} */
+    const socket = IN_WIDGET ? new WidgetSocket() : new WebSocket(`socket${location.search}`);
+    this.socket = socket;
     socket.binaryType = "arraybuffer";
     socket.onopen = () => {
       this.heard = performance.now();
       this.changed(true);
     };
-    socket.onmessage = ({ data }) => this.read(data);
+    socket.onmessage = (/** @type {MessageEvent} */ { data }) => this.read(data);
     socket.onclose = () => this.reopen(socket);
   }
 
   // Wait longer after each attempt that fails; the first message sets the wait back.
+  /** @type {(socket: Socket) => void} */
   reopen(socket) {
     if (socket !== this.socket) return;
     this.changed(false);
@@ -82,6 +108,7 @@ class Connection {
     this.delay = Math.min(LAST_DELAY, this.delay * DELAY_GROWTH);
   }
 
+  /** @type {(data: any) => void} */
   read(data) {
     this.heard = performance.now();
     this.delay = FIRST_DELAY;
@@ -91,12 +118,13 @@ class Connection {
 
   ping() {
     if (!this.connected) return;
-    if (performance.now() - this.heard > SILENCE) this.socket.close();
+    if (performance.now() - this.heard > SILENCE) this.socket?.close();
     else this.send({ do: "ping", id: Math.round(performance.now()) });
   }
 
+  /** @type {(message: Message) => void} */
   send(message) {
-    if (this.connected) this.socket.send(JSON.stringify(message));
+    if (this.connected) this.socket?.send(JSON.stringify(message));
   }
 }
 
@@ -107,9 +135,11 @@ const CONTACT_SIZE = 5;
 const JOINT_SIZE = 6; // numbers of a joint: two ends, its force or torque, and 1 for a torque
 const CALL_HEAD = 7; // numbers of a call before its points
 
+/** @type {(buffer: ArrayBuffer) => LiveFrame} */
 function decodeFrame(buffer) {
   const length = new DataView(buffer).getUint32(0, true);
   const header = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)));
+  /** @type {any} */
   const frame = {
     ...header,
     poses: [],
@@ -131,11 +161,14 @@ function decodeFrame(buffer) {
 
 // What Pymunk draws, as objects: kind, points, radius, angle, colours, and the grip of a hand: 2 if
 // it can hold the body, 1 where it finds nothing else (a body of sensors only), 0 if it cannot.
+/** @type {(frame: { calls: Float32Array, colours?: number[][] }) => Call[]} */
 function callsOf({ calls, colours = [] }) {
   const texts = colours.map(([r, g, b, a]) => `rgba(${r}, ${g}, ${b}, ${a / 255})`);
+  /** @type {Call[]} */
   const found = [];
   for (let k = 0; k < calls.length;) {
     const count = calls[k + 1];
+    /** @type {Point[]} */
     const points = [];
     for (let p = k + CALL_HEAD; p < k + CALL_HEAD + 2 * count; p += 2) {
       points.push([calls[p], calls[p + 1]]);
@@ -157,4 +190,5 @@ function callsOf({ calls, colours = [] }) {
 
 const KINDS = ["circle", "segment", "polygon", "line", "dot"];
 
+/** @type {(packed: Float32Array) => Poses} */
 const posesOf = (packed) => posesFrom(packed.length / 3, (i) => packed.subarray(3 * i, 3 * i + 3));

@@ -1,13 +1,16 @@
 // Colours of bodies and forces, the scales of forces and torques,
 // their legends and the scale bar at the lower border.
 
+/** @type {Kind[]} */
 const EFFORTS = ["force", "torque"];
+/** @type {Record<Kind, string>} */
 const EFFORT_TEXTS = {
   force: "Force in the joint ({unit})",
   torque: "Torque in the joint ({unit})",
 };
 
 // The forces, or torques, of joints.
+/** @type {(joints: Effort[], kind: Kind) => number[]} */
 const effortsOf = (joints, kind) =>
   joints.filter((joint) => joint.kind === kind).map(({ effort }) => effort);
 
@@ -20,6 +23,7 @@ const RAMP = ["#ffffcc", "#fed976", "#fd8d3c", "#e31a1c", "#800026"];
 const SHADES = 32; // colours of discs: those of one shade share a path
 
 // A mixture of two colours: the second has the weight `share`.
+/** @type {(one: string, two: string, share: number) => string} */
 const mixed = (one, two, share) => `color-mix(in srgb, ${one}, ${two} ${100 * share}%)`;
 
 const SHADE_COLOURS = Array.from({ length: SHADES }, (_, shade) => {
@@ -42,6 +46,7 @@ class LogScale {
   }
 
   // Include the largest of the current values.
+  /** @type {(largest: number, now: number) => void} */
   include(largest, now) {
     const needed = largest > 0 ? Math.max(LOWEST_TOP, Math.ceil(Math.log10(largest))) : LOWEST_TOP;
     if (needed >= this.top) [this.top, this.reached] = [needed, now];
@@ -53,24 +58,28 @@ class LogScale {
   }
 
   // Place of a value on the scale, from 0 to 1.
+  /** @type {(value: number) => number} */
   share(value) {
     return value > 0 ? Math.min(Math.max((Math.log10(value) - this.bottom) / DECADES, 0), 1) : 0;
   }
 }
 
 // The largest of numbers that may be NaN; 0 if there are none.
+/** @type {(numbers: Iterable<number>) => number} */
 const largestOf = (numbers) =>
-  numbers.reduce((largest, each) => (each > largest ? each : largest), 0);
+  Array.from(numbers).reduce((largest, each) => (each > largest ? each : largest), 0);
 
 // A power of ten as text: 0.01, 1, 10, 10 k.
+/** @type {(power: number) => string} */
 function powerText(power) {
   if (power >= 6 || power < -2) return `10${superscript(power)}`;
   if (power >= 3) return `${10 ** (power - 3)} k`;
   return power >= 0 ? String(10 ** power) : (10 ** power).toFixed(-power);
 }
 
+/** @type {(number: number) => string} */
 const superscript = (number) =>
-  [...String(number)].map((digit) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[digit] ?? "⁻").join("");
+  [...String(number)].map((digit) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[Number(digit)] ?? "⁻").join("");
 
 const LEGEND_LEFT = 14; // pixels: distance of the legend from the left side
 const LEGEND_BOTTOM = 14; // pixels: from the lower side
@@ -79,6 +88,7 @@ const LEGEND_HEIGHT = 9; // pixels
 const LEGEND_ROOM = 50; // pixels: height of a legend with its texts
 const BAR_LONGEST = 110; // pixels: longest scale bar
 
+/** @type {(painter: LivePainter, kind: Kind, above: number) => void} */
 function drawLegend(painter, kind, above) {
   const { context, view, colours, model } = painter;
   const scale = painter.scales[kind];
@@ -96,7 +106,9 @@ function drawLegend(painter, kind, above) {
     LEGEND_LEFT,
     top - 6,
   );
-  ["left", "center", "right"].forEach((align, k) => {
+  /** @type {CanvasTextAlign[]} */
+  const aligns = ["left", "center", "right"];
+  aligns.forEach((align, k) => {
     context.textAlign = align;
     const text = powerText(scale.bottom + (k * DECADES) / 2);
     painter.drawText(text, LEGEND_LEFT + (k * LEGEND_WIDTH) / 2, top + LEGEND_HEIGHT + 13);
@@ -104,20 +116,21 @@ function drawLegend(painter, kind, above) {
 }
 
 // A length of 1, 2 or 5 times a power of ten m, and a line of that length.
+/** @type {(painter: LivePainter, above: number) => void} */
 function drawScaleBar(painter, above) {
   const { context, view, colours } = painter;
   const length = Number((1 / roundUp(view.scale / BAR_LONGEST)).toPrecision(1));
   const y = view.height - LEGEND_BOTTOM - above;
   const right = LEGEND_LEFT + length * view.scale;
   const path = new Path2D();
-  for (const corner of [
+  /** @type {Point[]} */
+  const corners = [
     [LEGEND_LEFT, y - 5],
     [LEGEND_LEFT, y],
     [right, y],
     [right, y - 5],
-  ]) {
-    path.lineTo(...corner);
-  }
+  ];
+  for (const corner of corners) path.lineTo(...corner);
   strokeTwice(context, path, colours.background, colours.text, 1.5);
   painter.setFont("11px", "left", "alphabetic");
   const { units } = painter.model;

@@ -20,7 +20,25 @@ class Live extends Stage {
       SWITCHES,
       SHOWN_BY_DEFAULT,
     );
-    this.scene = this.state = this.frame = this.model = null;
+    /** @type {LiveScene} */
+    this.scene = NOTHING_YET;
+    /** @type {LiveState} */
+    this.state = NOTHING_YET;
+    /** @type {LiveFrame} */
+    this.frame = NOTHING_YET;
+    /** @type {Model} */
+    this.model = NOTHING_YET;
+    /** @type {ArrayBuffer | null} */
+    this.newest = NOTHING_YET;
+    /** @type {Poses | null} */
+    this.framePoses = NOTHING_YET;
+    this.rateKind = ""; // what the rate was measured of
+    /** @type {{ clock: number, time: number }[]} */
+    this.ticks = []; // the session's clock and the simulated time in the last second
+    this.aims = false; // whether keys have the field
+    this.errorTimer = 0;
+    this.buildingTimer = 0;
+    /** @type {LiveEvent[]} */
     this.events = []; // the newest first
     this.painter = new LivePainter(element("field"), this.view);
     this.charts = new LiveCharts(this.painter);
@@ -29,6 +47,7 @@ class Live extends Stage {
     this.recorder = new Recorder(this);
     this.drawn = 0;
     // Keys of the scene that are down: codes, and the names that were sent.
+    /** @type {Map<string, string>} */
     this.pressed = new Map();
     this.announce = throttled((text) => setText("announcement", text), ANNOUNCE_EVERY);
     this.connection = new Connection({
@@ -52,24 +71,30 @@ class Live extends Stage {
     return (this.framePoses ??= posesOf(this.frame.poses));
   }
 
+  /** @type {(message: Message) => void} */
   send(message) {
     this.connection.send(message);
   }
 
   // ---- messages
 
+  /** @type {(message: any) => void} */
   receive(message) {
-    const readers = { scene: "setScene", state: "setState", event: "addEvent", error: "showError" };
     if (message.kind === "building") this.showBuilding(true);
-    this[readers[message.kind]]?.(message);
+    if (message.kind === "scene") this.setScene(message);
+    if (message.kind === "state") this.setState(message);
+    if (message.kind === "event") this.addEvent(message);
+    if (message.kind === "error") this.showError(message);
   }
 
+  /** @type {(buffer: ArrayBuffer) => void} */
   receiveFrame(buffer) {
     // Only frames that are drawn are decoded.
     this.newest = buffer;
     this.requestDraw();
   }
 
+  /** @type {(scene: LiveScene) => void} */
   setScene(scene) {
     this.showBuilding(false);
     // A stage begins anew when it is opened.
@@ -77,7 +102,8 @@ class Live extends Stage {
     const same = this.scene?.name === scene.name;
     const anew = this.scene?.generation !== scene.generation;
     this.scene = scene;
-    this.frame = this.framePoses = null;
+    this.frame = NOTHING_YET;
+    this.framePoses = null;
     this.model = new Model(scene);
     this.view.setSubject(this.model);
     this.painter.setModel(this.model);
@@ -86,7 +112,7 @@ class Live extends Stage {
     if (anew) this.events = [];
     this.showEvents();
     if (!same) {
-      this.follow = "field";
+      this.setFollow("field");
       const own = STAGE && !scene.dragon ? ["forces"] : []; // in a lesson on forces
       for (const name of SWITCHES) this.shown[name] = [...SHOWN_BY_DEFAULT, ...own].includes(name);
       setText("announcement", translated(scene.title));
@@ -95,6 +121,7 @@ class Live extends Stage {
     this.requestDraw();
   }
 
+  /** @type {(state: LiveState) => void} */
   setState(state) {
     if (state.generation !== this.scene?.generation) return;
     if (state.running && !this.playing) this.hideError();
@@ -104,6 +131,7 @@ class Live extends Stage {
     this.requestDraw();
   }
 
+  /** @type {(event: LiveEvent) => void} */
   addEvent(event) {
     this.events = [event, ...this.events].slice(0, EVENTS_LISTED);
     this.showEvents();
@@ -127,6 +155,7 @@ class Live extends Stage {
 
   // After an error the controls show what the server has.
   // One in a user's function stays with its line and traceback.
+  /** @type {(error: LiveError) => void} */
   showError({ text, place = "", trace = "" }) {
     if (this.state) setTimeout(() => this.setState(this.state), SETTLE);
     setText("error-text", text);
@@ -143,6 +172,7 @@ class Live extends Stage {
   }
 
   // A scene that takes long to build says so, but one that is built at once does not flicker.
+  /** @type {(begins: boolean) => void} */
   showBuilding(begins) {
     clearTimeout(this.buildingTimer);
     element("building").hidden = true;
@@ -153,6 +183,7 @@ class Live extends Stage {
     } else this.hideError();
   }
 
+  /** @type {(open: boolean) => void} */
   showConnection(open) {
     element("lost").hidden = open;
     if (!open) {
@@ -168,13 +199,16 @@ class Live extends Stage {
   decode() {
     if (!this.newest) return;
     const frame = decodeFrame(this.newest);
+    /** @type {ArrayBuffer | null} */
     this.newest = null;
     if (frame.generation !== this.scene?.generation) return;
     this.frame = frame;
+    /** @type {Poses | null} */
     this.framePoses = null;
     this.charts.add(frame);
   }
 
+  /** @type {(now: number) => void} */
   tick(now) {
     this.decode();
     const { frame, state, painter, tools } = this;
@@ -210,12 +244,14 @@ class Live extends Stage {
   }
 
   // The switches that are on and make sense for the scene.
+  /** @returns {Record<string, boolean>} */
   get switches() {
     return Object.fromEntries(
       SWITCHES.map((name) => [name, this.shown[name] && this.hasSwitch(name)]),
     );
   }
 
+  /** @type {(name: string) => boolean} */
   hasSwitch(name) {
     return name === "contacts" || name === "forces" || this.model.benches > 0;
   }
@@ -226,6 +262,7 @@ class Live extends Stage {
   }
 
   // Controls and charts follow with the next state and picture.
+  /** @type {(name: string) => void} */
   setLanguage(name) {
     setLanguage(name);
     const address =

@@ -10,16 +10,25 @@ const MOST_ROWS = 100000; // rows of a table: three hours
 
 // A chart with a canvas of its own, and values of the last seconds, in which pauses leave no gap.
 class Chart extends Pane {
+  /** @param {HTMLCanvasElement} canvas @param {Look} painter */
   constructor(canvas, painter) {
-    super(canvas.getContext("2d"), painter);
-    Object.assign(this, { canvas, top: 0, size: 11 });
-    this.clear();
+    super(/** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d")), painter);
+    this.canvas = canvas;
+    this.size = 11;
+    /** @type {Point[]} */
+    this.samples = [];
+    this.clock = 0;
+    /** @type {number | null} */
+    this.last = null;
   }
 
   clear() {
-    Object.assign(this, { samples: [], clock: 0, last: null });
+    this.samples.length = 0;
+    this.clock = 0;
+    this.last = null;
   }
 
+  /** @type {(value: number, now: number) => void} */
   add(value, now) {
     this.clock += Math.min(now - (this.last ?? now), LONGEST_GAP) / 1000;
     this.last = now;
@@ -42,12 +51,15 @@ class Chart extends Pane {
   }
 
   // Clear the canvas and draw the axes.
-  start(up, tick, across = [this.begin, this.clock]) {
+  /** @type {(up: Limits, tick?: (value: number) => string, across?: Limits) => void} */
+  start(up, tick, across) {
     this.context.reset();
     Object.assign(this, fitCanvas(this.canvas, this.context));
-    this.axes({ across, up, tick, apart: 18, margins: MARGINS });
+    const times = [this.begin, this.clock];
+    this.axes({ across: across ?? times, up, tick, apart: 18, margins: MARGINS });
   }
 
+  /** @type {(points?: Numbers[]) => void} */
   track(points = this.samples) {
     this.line(points, { colour: "any", width: 1.5 });
   }
@@ -55,6 +67,7 @@ class Chart extends Pane {
 
 // The decades around positive values, at least two of them:
 // powers of ten of the lower and the upper end.
+/** @type {(values: number[]) => Limits} */
 function decadesAround(values) {
   const logs = values.filter((value) => value > 0).map(Math.log10);
   if (!logs.length) return [-2, 0];
@@ -63,16 +76,23 @@ function decadesAround(values) {
 }
 
 class LiveCharts {
+  /** @param {LivePainter} painter */
   constructor(painter) {
     this.painter = painter;
     const charts = ["error", "step", ...EFFORTS].map((name) => [
       name,
       new Chart(element(`chart-${name}`), painter),
     ]);
+    /** @type {Record<string, Chart>} */
     this.charts = Object.fromEntries(charts);
     this.drawn = 0;
+    /** @type {Model} */
+    this.model = NOTHING_YET;
+    /** @type {Quantity[]} */
+    this.quantities = [];
   }
 
+  /** @type {(model: Model) => void} */
   setModel(model) {
     this.model = model;
     for (const chart of Object.values(this.charts)) chart.clear();
@@ -83,13 +103,13 @@ class LiveCharts {
     element("save-charts").hidden = !this.quantities.length;
   }
 
+  /** @type {(frame: LiveFrame) => void} */
   add(frame) {
     const now = performance.now();
     this.charts.error.add(frame.errors.length ? 1000 * largestOf(frame.errors) : NaN, now);
     this.charts.step.add(1000 * frame.step_time, now);
-    if (frame.plots) {
-      this.quantities.forEach((quantity, k) => quantity.add(frame.time, frame.plots[k], now));
-    }
+    const { plots } = frame;
+    if (plots) this.quantities.forEach((quantity, k) => quantity.add(frame.time, plots[k], now));
   }
 
   // The quantities as a table, one row for each time.
@@ -105,6 +125,7 @@ class LiveCharts {
   }
 
   // Draw at most ten times a second, and only what is visible.
+  /** @type {(frame: LiveFrame, state: LiveState, now: number) => void} */
   draw(frame, state, now) {
     if (now - this.drawn < CHART_EVERY) return;
     this.drawn = now;
@@ -117,6 +138,7 @@ class LiveCharts {
     if (step.shown) this.drawSteps(step, frame, step_length / state.speed);
   }
 
+  /** @type {(chart: Chart, frame: LiveFrame) => void} */
   drawErrors(chart, { errors }) {
     chart.start(decadesAround(chart.values), powerText);
     chart.track(chart.samples.map(([at, value]) => [at, Math.log10(value)]));
@@ -125,13 +147,16 @@ class LiveCharts {
     setText("value-error", worst < 0 ? "–" : localized("{error}, bench {i}", { error, i: worst }));
   }
 
+  /** @type {(kind: Kind, efforts: Effort[], cuts: Set<number>) => void} */
   drawEfforts(kind, efforts, cuts) {
     const chart = this.charts[kind];
     const { bottom, top } = this.painter.scales[kind];
     const joints = efforts.filter((joint) => joint.kind === kind);
     element(`charts-${kind}`).hidden = joints.length === 0;
     if (!chart.shown || !joints.length) return;
+    /** @type {(joint: Effort) => boolean} */
     const isValid = ({ number, effort }) => effort > 0 && !cuts.has(number);
+    /** @type {(joint: Effort) => number} */
     const upOf = (joint) => (isValid(joint) ? Math.max(Math.log10(joint.effort), bottom) : NaN);
     const points = joints.map((joint) => [joint.number, upOf(joint)]);
     chart.start([bottom, top], powerText, [-0.5, efforts.length - 0.5]);
@@ -166,6 +191,7 @@ class LiveCharts {
     );
   }
 
+  /** @type {(chart: Chart, frame: LiveFrame, budget: number) => void} */
   drawSteps(chart, { step_time }, budget) {
     chart.start([0, roundUp(Math.max(...chart.values, 1.05 * budget))]);
     chart.line(
@@ -182,13 +208,17 @@ class LiveCharts {
   }
 }
 
+/** @type {(ms: number) => string} */
 const formatTime = (ms) => (Number.isFinite(ms) ? `${Number(ms.toPrecision(2))} ms` : "–");
 
 // A chart of a quantity of the scene, with a linear scale.
 class Quantity {
+  /** @param {string} title @param {string} unit @param {Look} painter */
   constructor(title, unit, painter) {
-    Object.assign(this, { title, unit: unit && ` (${unit})` });
+    this.title = title;
+    this.unit = unit && ` (${unit})`;
     this.name = title + this.unit;
+    /** @type {[number, number | null][]} */
     this.rows = []; // [time, value] since the scene began, for the table
     this.value = created("span", {}, "–");
     this.caption = created("span");
@@ -202,6 +232,7 @@ class Quantity {
     this.chart = new Chart(canvas, painter);
   }
 
+  /** @type {(time: number, value: number | null, now: number) => void} */
   add(time, value, now) {
     this.rows.push([time, value]);
     if (this.rows.length > MOST_ROWS) this.rows.shift();
@@ -227,6 +258,6 @@ class Quantity {
     const margin = (high - low) / 50;
     chart.start([low - margin, high + margin], (value) => numberText(value, digits));
     chart.track();
-    this.value.textContent = numberText(values.at(-1));
+    this.value.textContent = numberText(lastOf(values));
   }
 }

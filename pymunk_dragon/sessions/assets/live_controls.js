@@ -5,6 +5,7 @@ const WIDE = "(min-width: 44.01rem) and (min-height: 36.01rem)";
 const NOTCH_PIXELS = 100; // a notch of the wheel in most browsers
 const NOTCH_LINES = 3; // the same where it counts lines
 
+/** @type {(live: Live) => void} */
 function connect(live) {
   const { tools } = live;
   connectFields(live);
@@ -32,9 +33,12 @@ function connect(live) {
   document.body.classList.toggle("framed", STAGE !== null);
   addEventListener("hashchange", () => live.setLanguage(chosenLanguage()));
   const opens = STAGE !== null || matchMedia(WIDE).matches;
-  for (const part of document.querySelectorAll(".panel details")) part.open = opens;
+  for (const part of document.querySelectorAll(".panel details")) {
+    part.toggleAttribute("open", opens);
+  }
 }
 
+/** @type {(live: Live) => Actions} */
 const buttonsOf = (live) => ({
   play: () => live.send({ do: live.playing ? "pause" : "play" }),
   step: () => live.send({ do: "step", count: 1 }),
@@ -47,8 +51,10 @@ const buttonsOf = (live) => ({
   record: () => live.recorder.toggle(),
 });
 
+/** @type {(live: Live) => void} */
 function connectFields(live) {
   const { tools } = live;
+  /** @type {(id: string, action: (field: any) => void) => void} */
   const changed = (id, action) =>
     element(id).addEventListener("change", ({ target }) => action(target));
   changed("scene", ({ value }) => live.send({ do: "scene", name: value }));
@@ -60,9 +66,11 @@ function connectFields(live) {
 
 // A mouse or a pen with all its buttons, and the wheel, while they belong to a program. A finger is
 // its left button, and two move and zoom the view, as does the wheel with Ctrl.
+/** @type {(live: Live) => void} */
 function listenForProgram(live) {
   const canvas = element("field");
   const { tools } = live;
+  /** @type {(event: PointerEvent) => void} */
   const passed = (event) => {
     if (event.pointerType === "touch" || !tools.isProgram || !live.frame) return;
     live.pixel = pixelOf(canvas, event);
@@ -72,9 +80,9 @@ function listenForProgram(live) {
     const begins = event.type === "pointerdown" || event.type === "pointermove";
     if (begins) event.stopImmediatePropagation();
   };
-  for (const kind of ["down", "move", "up", "cancel"]) {
-    canvas.addEventListener(`pointer${kind}`, passed, true);
-  }
+  /** @type {("pointerdown" | "pointermove" | "pointerup" | "pointercancel")[]} */
+  const kinds = ["pointerdown", "pointermove", "pointerup", "pointercancel"];
+  for (const kind of kinds) canvas.addEventListener(kind, passed, true);
   canvas.addEventListener(
     "wheel",
     (event) => {
@@ -95,6 +103,7 @@ function listenForProgram(live) {
 }
 
 // Nothing stays held where its release would not be heard: in another window, tab or field.
+/** @type {(live: Live) => void} */
 function listenForLeaving(live) {
   const canvas = element("field");
   const letGo = () => {
@@ -109,6 +118,7 @@ function listenForLeaving(live) {
 
 // Send a key of the scene's own; it does nothing else. What is released is the key that went down:
 // its name changes with the shift key.
+/** @type {(live: Live, event: KeyboardEvent) => boolean} */
 function takesKey(live, event) {
   const { pressed } = live;
   const code = event.code || event.key;
@@ -119,7 +129,8 @@ function takesKey(live, event) {
     return true;
   }
   const keys = live.scene?.keys ?? [];
-  const all = keys.includes("*") && !event.target.closest("input, select");
+  const all =
+    keys.includes("*") && !(/** @type {Element} */ (event.target).closest("input, select"));
   if (!(keys.includes(event.key) || all) || !live.controls) return false;
   event.preventDefault();
   if (event.repeat || pressed.has(code)) return true;
@@ -128,6 +139,7 @@ function takesKey(live, event) {
   return true;
 }
 
+/** @type {(live: Live) => void} */
 function releaseKeys(live) {
   for (const name of live.pressed.values()) live.send({ do: "press", name, down: false });
   live.pressed.clear();
@@ -145,6 +157,6 @@ function start() {
 try {
   globalThis.live = start();
 } catch (error) {
-  showFailure(error);
+  showFailure(/** @type {Error} */ (error));
   throw error;
 }

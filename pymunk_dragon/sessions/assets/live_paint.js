@@ -2,11 +2,23 @@
 
 const PALE = 0.55; // weight of the background in the colour of benches whose dancers let go
 
+// What the first message of the server replaces.
+const NOTHING_YET = /** @type {any} */ (null);
+const NO_PAYLOAD = /** @type {any} */ ({});
+
+/** @extends {Painter<Model>} */
 class LivePainter extends Painter {
+  /** @param {HTMLCanvasElement} canvas @param {View} view */
   constructor(canvas, view) {
-    super(canvas, null, view, {}, []);
+    super(canvas, NOTHING_YET, view, NO_PAYLOAD, []);
+    /** @type {Model} */
+    this.model = NOTHING_YET;
+    this.pale = false;
+    this.scales = { force: new LogScale(), torque: new LogScale() };
+    this.impulseScale = new LogScale();
   }
 
+  /** @type {(model: Model) => void} */
   setModel(model) {
     const { dragon } = model.scene;
     Object.assign(this, { model, motion: model, payload: { dragon }, curve: dragon?.curve ?? [] });
@@ -15,6 +27,7 @@ class LivePainter extends Painter {
     this.impulseScale = new LogScale();
   }
 
+  /** @type {(i: number, inContact: Set<number>) => string} */
   colourOf(i, inContact) {
     const colour = super.colourOf(i, inContact);
     return this.pale ? mixed(colour, this.colours.background, PALE) : colour;
@@ -22,6 +35,7 @@ class LivePainter extends Painter {
 
   // Draw a frame: `state` is the server's, `show` the switches,
   // `held` and `target` belong to the pointer.
+  /** @type {(shown: Shown) => void} */
   draw({ frame, poses, state, show, held, target, aims }) {
     const { model } = this;
     const joints = model.joints(frame, poses, state.cuts);
@@ -52,7 +66,9 @@ class LivePainter extends Painter {
     drawScaleBar(this, legends.length * LEGEND_ROOM);
   }
 
+  /** @type {(shown: ShownDragon) => void} */
   drawDragon({ frame, benches, visible, inContact, state, show, target }) {
+    /** @type {(i: number) => boolean} */
     const free = (i) => state.free_from !== null && i >= state.free_from;
     this.pale = true;
     this.drawBenches(benches, visible.filter(free), inContact);

@@ -3,6 +3,7 @@
 const SPEEDS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20]; // simulated over real time
 
 // An event of the server, whose numbers are fields {i}, {j}, ... of a text in the catalogue.
+/** @type {(text: string) => string} */
 function translatedNumbers(text) {
   const numbers = text.match(/\d+/g) ?? [];
   const names = "ijk";
@@ -13,6 +14,7 @@ function translatedNumbers(text) {
   return fill(found, Object.fromEntries(numbers.map((number, n) => [names[n], number])));
 }
 
+/** @type {(live: Live) => void} */
 function showScene(live) {
   const { scene, model } = live;
   const title = (document.title = translated(scene.title));
@@ -50,6 +52,7 @@ function showScene(live) {
 
 // A link to the lesson of a scene, if its page is on this server;
 // otherwise the command that shows it.
+/** @type {(scene: LiveScene) => void} */
 function showLesson({ lesson }) {
   const here = location.pathname.endsWith("/live");
   const link = element("lesson");
@@ -59,11 +62,13 @@ function showLesson({ lesson }) {
   if (here) link.href = `./${location.search}#${lesson}`;
 }
 
+/** @type {(live: Live) => void} */
 function showAbilities(live) {
   const { model } = live;
   for (const name of SWITCHES) {
-    element(`show-${name}`).closest("label").hidden = !live.hasSwitch(name);
+    hideSwitch(name, !live.hasSwitch(name));
   }
+  /** @type {Record<string, string>} */
   const parts = {
     dancers: "dancers",
     "contacts-row": "contacts",
@@ -86,6 +91,7 @@ function showAbilities(live) {
   live.afterChange();
 }
 
+/** @type {(live: Live) => void} */
 function showState(live) {
   const { state } = live;
   showPlaying(state.running);
@@ -99,23 +105,27 @@ function showState(live) {
 }
 
 // The list has the usual speeds, and the server's if it is another one.
+/** @type {(speed: number) => void} */
 function showSpeed(speed) {
   const list = element("speed");
   const speeds = [...new Set([...SPEEDS, speed])].sort((one, two) => one - two);
-  const options = speeds.map((value) => new Option(`${value}×`, value));
+  const options = speeds.map((value) => new Option(`${value}×`, String(value)));
   if (list.textContent !== options.map(({ text }) => text).join("")) {
     list.replaceChildren(...options);
   }
-  list.value = speed;
+  list.value = String(speed);
 }
 
 // Controls that send are disabled for those who watch, and while there is no connection.
+/** @type {(live: Live) => void} */
 function showAccess(live) {
-  for (const control of document.querySelectorAll(".sends, .toolbox input")) {
-    control.disabled = !live.controls;
-  }
+  /** @type {NodeListOf<HTMLInputElement>} */
+  const sending = document.querySelectorAll(".sends, .toolbox input");
+  for (const control of sending) control.disabled = !live.controls;
   // A program that makes the steps itself builds its space once.
-  for (const id of ["reset", "scene"]) element(id).disabled ||= !live.scene?.resets;
+  for (const control of [element("reset"), element("scene")]) {
+    control.disabled ||= !live.scene?.resets;
+  }
   const role = live.state?.replaying
     ? localized("Replay")
     : live.scene?.role === "watch"
@@ -127,6 +137,7 @@ function showAccess(live) {
 
 // Simulated over real time in the last second, by the session's clock;
 // null in the first moments after a change.
+/** @type {(live: Live) => number | null} */
 function rateOf(live) {
   const {
     state: { running, speed },
@@ -140,6 +151,7 @@ function rateOf(live) {
   return passed >= RATE_TIME / 2 ? (time - first.time) / passed : null;
 }
 
+/** @type {(live: Live) => void} */
 function showFrame(live) {
   const { frame, state } = live;
   setText("clock", frame.time.toFixed(2));
@@ -156,6 +168,7 @@ function showFrame(live) {
 }
 
 // Time of the exact model, or why it stands.
+/** @type {(frame: LiveFrame) => string} */
 function marchText({ march_time: time, waits, errors }) {
   if (!Number.isFinite(time)) return "";
   if (!waits) return localized("March: {time} s", { time: time.toFixed(2) });

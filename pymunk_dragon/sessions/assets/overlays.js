@@ -12,6 +12,7 @@ const MOST_ARROWS = 800; // more contacts have no arrows
 const CUT_MARK = 5; // pixels: half the size of the cross at a cut joint
 
 // Outlines of exact benches that differ visibly from those of the engine.
+/** @type {(painter: LivePainter, frame: LiveFrame) => void} */
 function drawErrors(painter, { exact, errors }) {
   const ghosts = new Benches(painter.model, posesOf(exact));
   const least = GHOST_SHOWN / painter.view.scale;
@@ -23,7 +24,9 @@ function drawErrors(painter, { exact, errors }) {
 }
 
 // A disc at each joint with a force, a square at one with a torque: colour and size show it.
+/** @type {(painter: LivePainter, joints: Joint[]) => void} */
 function drawEfforts({ context, view, colours, scales }, joints) {
+  /** @type {Map<number, Path2D>} */
   const paths = new Map();
   for (const {
     ends: [one, two],
@@ -35,9 +38,9 @@ function drawEfforts({ context, view, colours, scales }, joints) {
     if (!(effort >= 0) || !view.isVisible(x, y, 0)) continue;
     const share = scales[kind].share(effort);
     const shade = Math.round(share * (SHADES - 1));
-    if (!paths.has(shade)) paths.set(shade, new Path2D());
+    const path = paths.get(shade) ?? new Path2D();
+    paths.set(shade, path);
     const radius = SMALLEST_DISC + DISC_GROWTH * share;
-    const path = paths.get(shade);
     const [px, py] = view.toScreen(x, y);
     path.moveTo(px + radius, py);
     if (kind === "torque") path.rect(px - radius, py - radius, 2 * radius, 2 * radius);
@@ -53,11 +56,13 @@ function drawEfforts({ context, view, colours, scales }, joints) {
 }
 
 // A ring or dot at each contact point, and an arrow along the normal of each pair.
+/** @type {(painter: LivePainter, frame: LiveFrame) => void} */
 function drawImpulses(painter, frame) {
   const { context, colours, view, model, impulseScale } = painter;
   const count = frame.contacts.length / CONTACT_SIZE;
   const many = count > MANY_CONTACTS;
   const path = new Path2D();
+  /** @type {{ impulse: number, px: number, py: number } | null} */
   let largest = null;
   context.fillStyle = COLLISION_COLOUR;
   for (const [x, y, nx, ny, impulse] of rowsOf(frame.contacts, CONTACT_SIZE)) {
@@ -79,6 +84,7 @@ function drawImpulses(painter, frame) {
 }
 
 // A cross at both holes of each cut joint.
+/** @type {(painter: LivePainter, benches: Benches<BenchSizes>, cuts: number[]) => void} */
 function drawCuts({ context, view, colours }, benches, cuts) {
   const path = new Path2D();
   for (const joint of cuts) {
@@ -94,16 +100,19 @@ function drawCuts({ context, view, colours }, benches, cuts) {
 }
 
 // A line from the anchor on the held body to the pointer.
+/** @type {(painter: LivePainter, held: Held) => void} */
 function drawHeld({ context, view, colours }, { anchor, target }) {
   const from = view.toScreen(...anchor);
   const to = view.toScreen(...target);
   const path = new Path2D();
   path.moveTo(...from);
   path.lineTo(...to);
-  for (const [[px, py], radius] of [
+  /** @type {[Point, number][]} */
+  const marks = [
     [from, 4],
     [to, 7],
-  ]) {
+  ];
+  for (const [[px, py], radius] of marks) {
     path.moveTo(px + radius, py);
     path.arc(px, py, radius, 0, TURN);
   }
@@ -111,6 +120,7 @@ function drawHeld({ context, view, colours }, { anchor, target }) {
 }
 
 // A cross at the point where keys apply the tool.
+/** @type {(painter: LivePainter) => void} */
 function drawAim({ context, view, colours }) {
   const px = view.width / 2;
   const py = view.height / 2;
@@ -128,9 +138,10 @@ function drawAim({ context, view, colours }) {
 }
 
 // What a click would change, and its name. A bench is highlighted where it is drawn.
+/** @type {(painter: LivePainter, target: Target) => void} */
 function drawTarget(painter, target) {
   const { context, colours, view } = painter;
-  if (target.label) drawLabel(painter, target.label, ...target.pixel);
+  if (target.label && target.pixel) drawLabel(painter, target.label, ...target.pixel);
   if (target.joint) {
     const middle = target.joint.ends.map((end) => view.toScreen(...end));
     drawRing(

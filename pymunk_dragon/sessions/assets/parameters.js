@@ -6,8 +6,12 @@ const SETTLE = 500;
 const POSITIONS = 400; // steps of a slider
 
 // What a slider of a parameter shows at a position from 0 to 1, and the reverse.
+/**
+ * @type {(range: { low: number, high: number, logarithmic?: boolean, whole?: boolean }) => Scale}
+ */
 function scaleOf({ low, high, logarithmic, whole }) {
   const log = logarithmic && low > 0;
+  /** @type {(position: number) => number} */
   const exact = (position) =>
     log ? low * (high / low) ** position : low + position * (high - low);
   return {
@@ -32,6 +36,7 @@ function scaleOf({ low, high, logarithmic, whole }) {
 }
 
 class Slider {
+  /** @param {Parameter} parameter @param {Send} send */
   constructor(parameter, send) {
     this.parameter = parameter;
     this.scale = scaleOf(parameter);
@@ -59,6 +64,7 @@ class Slider {
     return this.scale.valueAt(this.input.valueAsNumber);
   }
 
+  /** @type {(send: Send) => void} */
   listen(send) {
     const message = () => send({ do: "set", name: this.parameter.name, value: this.value });
     const soon = throttled(message, SEND_EVERY);
@@ -71,12 +77,14 @@ class Slider {
   }
 
   // A value of the server.
+  /** @type {(value: number) => void} */
   show(value) {
     if (!Number.isFinite(value) || performance.now() - this.touched < SETTLE) return;
-    if (this.value !== value) this.input.value = this.scale.positionOf(value);
+    if (this.value !== value) this.input.value = String(this.scale.positionOf(value));
     this.write(value);
   }
 
+  /** @type {(value: number) => void} */
   write(value) {
     const text = `${numberText(value)} ${translated(this.parameter.unit)}`.trim();
     this.output.textContent = text;
@@ -85,6 +93,7 @@ class Slider {
 }
 
 // A number with three significant digits, or others; large and small ones in exponents.
+/** @type {(value: number, digitsShown?: number) => string} */
 function numberText(value, digitsShown = 3) {
   const size = Math.abs(value);
   if (size >= 10 ** (digitsShown + 3) || (size > 0 && size < 1e-4)) {
@@ -97,12 +106,18 @@ function numberText(value, digitsShown = 3) {
 }
 
 class Sliders {
+  /** @param {HTMLElement} container @param {Send} send */
   constructor(container, send) {
-    Object.assign(this, { container, send, sliders: [] });
+    this.container = container;
+    this.send = send;
+    /** @type {Slider[]} */
+    this.sliders = [];
+    this.shape = "";
   }
 
   // A rebuilt scene with the same parameters keeps its sliders, and with them the focus;
   // not in another language.
+  /** @type {(parameters: Parameter[]) => void} */
   setParameters(parameters) {
     const fixed = parameters.map((parameter) => ({ ...parameter, value: null }));
     const shape = JSON.stringify([language, ...fixed]);
@@ -114,6 +129,7 @@ class Sliders {
     this.setValues(Object.fromEntries(parameters.map(({ name, value }) => [name, value])));
   }
 
+  /** @type {(values: Record<string, number>) => void} */
   setValues(values) {
     for (const slider of this.sliders) slider.show(values[slider.parameter.name]);
   }

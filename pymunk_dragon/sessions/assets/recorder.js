@@ -9,14 +9,21 @@ const FILM_RATE = 30; // pictures a second
 const FILM_PIXELS = 4096 * 2160;
 
 // H.264 has only even sizes.
+/** @type {(size: number) => number} */
 const even = (size) => Math.max(2, 2 * Math.floor(size / 2));
 
 class Recorder {
+  /** @param {Live} live */
   constructor(live) {
     this.live = live;
+    /** @type {MediaRecorder | null} */
     this.film = null;
     this.canvas = created("canvas");
-    this.context = this.canvas.getContext("2d", { alpha: false });
+    this.context = /** @type {CanvasRenderingContext2D} */ (
+      this.canvas.getContext("2d", { alpha: false })
+    );
+    this.width = 0;
+    this.height = 0;
   }
 
   toggle() {
@@ -38,6 +45,7 @@ class Recorder {
     const film = (this.film = new MediaRecorder(canvas.captureStream(FILM_RATE), {
       mimeType: type,
     }));
+    /** @type {Blob[]} */
     const parts = [];
     film.addEventListener("dataavailable", ({ data }) => parts.push(data));
     film.addEventListener("stop", () => {
@@ -53,6 +61,7 @@ class Recorder {
 
   // All pictures of a film have the size of the field when it began,
   // less the last pixel of an odd one.
+  /** @type {(field: { width: number, height: number }) => void} */
   setSize({ width, height }) {
     const scale = Math.min(1, Math.sqrt(FILM_PIXELS / (width * height)));
     this.width = scale * width;

@@ -6,6 +6,7 @@ const JOINT_WIDTH = 1.5; // pixels
 const DOT_SIZE = 0.6; // radius of a dot over Pymunk's
 
 // Add the outline of a convex polygon, a line or a point on the screen, at a distance around it.
+/** @type {(path: Path2D, corners: Point[], distance: number) => void} */
 function addOutline(path, corners, distance) {
   if (corners.length === 1) {
     path.moveTo(corners[0][0] + distance, corners[0][1]);
@@ -27,7 +28,7 @@ function addOutline(path, corners, distance) {
     return Math.atan2(nextY - y, nextX - x);
   });
   points.forEach(([x, y], i) => {
-    const begin = headings.at(i - 1) - TURN / 4;
+    const begin = (i ? headings[i - 1] : lastOf(headings)) - TURN / 4;
     const end = headings[i] - TURN / 4;
     if (!i) path.moveTo(x + distance * Math.cos(begin), y + distance * Math.sin(begin));
     // At a straight corner, rounding can give an angle just below a full circle.
@@ -36,6 +37,7 @@ function addOutline(path, corners, distance) {
   path.closePath();
 }
 
+/** @type {(view: View, shape: { points: Point[], radius: number }) => Path2D} */
 function shapePath(view, { points, radius }) {
   const path = new Path2D();
   addOutline(
@@ -47,6 +49,7 @@ function shapePath(view, { points, radius }) {
 }
 
 // Whether any of a call may be visible.
+/** @type {(view: View, call: Shape) => boolean} */
 function isCallVisible(view, { kind, points, radius }) {
   const reach = kind === "dot" ? 0 : radius;
   const [[x, y]] = points;
@@ -55,7 +58,9 @@ function isCallVisible(view, { kind, points, radius }) {
   return view.isVisible(x, y, reach + size);
 }
 
+/** @type {(painter: LivePainter, calls: Call[]) => void} */
 function drawCalls({ context, view }, calls) {
+  /** @type {{ fill: string, outline?: string, fills: boolean, path: Path2D } | null} */
   let run = null;
   const finish = () => {
     if (!run) return;
@@ -83,6 +88,7 @@ function drawCalls({ context, view }, calls) {
   finish();
 }
 
+/** @type {(path: Path2D, view: View, call: Call) => void} */
 function addCall(path, view, { kind, points, radius, angle }) {
   const corners = points.map((point) => view.toScreen(...point));
   if (kind === "line") {
@@ -99,9 +105,11 @@ function addCall(path, view, { kind, points, radius, angle }) {
   path.lineTo(...view.toScreen(x + radius * Math.cos(angle), y + radius * Math.sin(angle)));
 }
 
+/** @type {(obstacle: Obstacle) => Call} */
 function obstacleCall({ shape, x, y, size }) {
   const half = size / 2;
   const round = shape === "round";
+  /** @type {Point[]} */
   const square = [
     [x - half, y - half],
     [x + half, y - half],
@@ -116,5 +124,6 @@ function obstacleCall({ shape, x, y, size }) {
     fill: STATIC_COLOUR,
     outline: OUTLINE_COLOUR,
     opaque: true,
+    grip: 0,
   };
 }

@@ -12,6 +12,7 @@ const BUTTONS = [
   [2, 3],
 ]; // bits of `PointerEvent.buttons`, and pygame's numbers of the buttons
 const TOOLS = ["drag", "cut", "round", "square", "release", "program"];
+/** @type {Record<string, string>} */
 const ABILITY_OF_TOOL = {
   program: "pointer",
   cut: "cut",
@@ -23,21 +24,32 @@ const ABILITY_OF_TOOL = {
 const OBSTACLES = { low: 0.005, usual: 0.04, high: 0.25 };
 
 class Tools {
+  /** @param {Live} live */
   constructor(live) {
     this.live = live;
     this.chosen = "drag";
+    this.sizes = scaleOf({ low: 1, high: 1 });
+    /** @type {Numbers | null} */
+    this.sent = null; // where the held body was last sent to
+    /** @type {Point | null} */
+    this.pointed = null; // where the program's pointer was moved to since the last picture
+    /** @type {Point | null} */
     this.carried = null; // position of the pointer that holds a body
     this.buttons = 0; // those that the program knows to be down, as in `PointerEvent.buttons`
+    /** @type {Point | null} */
     this.place = null; // where the program's pointer is
     // Notches of the wheel, to the right and up, that the program was not sent yet.
+    /** @type {Point | null} */
     this.turned = null;
   }
 
   // A rebuilt scene keeps the size of obstacles.
+  /** @type {(model: Model, rebuilt: boolean) => void} */
   setModel(model, rebuilt) {
     this.drop();
     for (const tool of TOOLS) {
-      element(`tool-${tool}`).closest("label").hidden = !model.can(ABILITY_OF_TOOL[tool]);
+      const row = element(`tool-${tool}`).closest("label");
+      row?.toggleAttribute("hidden", !model.can(ABILITY_OF_TOOL[tool]));
     }
     if (!model.can(ABILITY_OF_TOOL[this.chosen])) this.choose("drag");
     if (rebuilt) return;
@@ -48,12 +60,13 @@ class Tools {
       high: OBSTACLES.high * side,
       logarithmic: true,
     });
-    element("obstacle-size").value = this.sizes.positionOf(OBSTACLES.usual * side);
+    element("obstacle-size").value = String(this.sizes.positionOf(OBSTACLES.usual * side));
     this.showSize();
   }
 
+  /** @type {(tool: string) => void} */
   choose(tool) {
-    if (element(`tool-${tool}`).closest("label").hidden) return;
+    if (element(`tool-${tool}`).closest("label")?.hidden) return;
     this.drop();
     this.chosen = tool;
     element(`tool-${tool}`).checked = true;
@@ -81,6 +94,7 @@ class Tools {
   // ---- holding a body
 
   // Take hold of the body at a pixel; returns whether there is one.
+  /** @type {(pixel: Point, kind: string) => boolean} */
   take(pixel, kind) {
     const { live } = this;
     if (this.isProgram) {
@@ -106,6 +120,7 @@ class Tools {
     return true;
   }
 
+  /** @type {(pixel: Point) => void} */
   carry(pixel) {
     if (!this.carried) return;
     this.carried = pixel;
@@ -114,7 +129,7 @@ class Tools {
   }
 
   drop() {
-    if (this.buttons) this.press(this.place, 0);
+    if (this.place && this.buttons) this.press(this.place, 0);
     if (!this.carried) return;
     if (this.chosen !== "program") this.live.send({ do: "drop" });
     this.carried = null;
@@ -142,6 +157,7 @@ class Tools {
 
   // The pointer is at a pixel with these buttons down. The program gets buttons at once,
   // and places in each picture.
+  /** @type {(pixel: Point, buttons: number) => void} */
   press(pixel, buttons) {
     for (const [bit, button] of BUTTONS) {
       const down = (buttons & bit) > 0;
@@ -152,6 +168,7 @@ class Tools {
     this.live.requestDraw();
   }
 
+  /** @type {(pixel: Point, kind: string, button: number) => void} */
   sendPointer(pixel, kind, button) {
     const [x, y] = this.live.view
       .toWorld(...pixel)
@@ -160,6 +177,7 @@ class Tools {
   }
 
   // The wheel is turned by notches to the right, and up.
+  /** @type {(right: number, up: number) => void} */
   turn(right, up) {
     const [before, above] = this.turned ?? [0, 0];
     this.turned = [before + right, above + up];
@@ -178,6 +196,7 @@ class Tools {
   }
 
   // What the line of the hand joins: the server says where it holds the body.
+  /** @returns {Held | null} */
   get held() {
     if (!this.live.frame.held) return null;
     const [x, y, ...target] = this.live.frame.held;
@@ -190,6 +209,7 @@ class Tools {
   // ---- clicks
 
   // What a click at a pixel would change, with the tool that is chosen; null if nothing.
+  /** @type {(pixel: Point, slip?: number) => Target | null} */
   targetAt(pixel, slip = 0) {
     const { model, view, poses, frame, state, controls } = this.live;
     if (!controls) return null;
@@ -217,6 +237,7 @@ class Tools {
     return this.places ? this.obstacleAt(point, slip) : null;
   }
 
+  /** @type {(point: Point, slip: number) => Target} */
   obstacleAt(point, slip) {
     const { state, view } = this.live;
     const standing = state.obstacles.find(
@@ -226,22 +247,25 @@ class Tools {
     return { obstacle: { shape: this.chosen, x: point[0], y: point[1], size: this.size } };
   }
 
+  /** @type {(pixel: Point, kind: string) => void} */
   tap(pixel, kind) {
     const target = this.chosen !== "drag" && this.targetAt(pixel, kind === "mouse" ? 0 : BODY_SLIP);
     const message = target && this.messageFor(target);
     if (message) this.live.send(message);
   }
 
+  /** @type {(target: Target) => Message | null} */
   messageFor({ joint, point, bench, obstacle, removes }) {
-    if (joint) {
+    if (joint && point) {
       return { do: "cut", x: point[0], y: point[1], slip: JOINT_SLIP / this.live.view.scale };
     }
     // The head has no dancer of its own that could let go.
     if (bench !== undefined) return { do: "release", bench: Math.max(1, bench) };
-    return removes ? { do: "remove", obstacle: obstacle.id } : { do: "obstacle", ...obstacle };
+    return removes ? { do: "remove", obstacle: obstacle?.id } : { do: "obstacle", ...obstacle };
   }
 
   // Keys apply the tool where the mouse is, or in the middle of the view.
+  /** @returns {Point} */
   get aim() {
     const { view } = this.live;
     return this.live.pixel ?? [view.width / 2, view.height / 2];
@@ -255,12 +279,14 @@ class Tools {
   }
 
   // What the mouse or the cross of the keys points at, with its name.
+  /** @returns {Target | null} */
   get target() {
     if (this.carried || !(this.live.pixel || this.live.aims)) return null;
     const target = this.targetAt(this.aim, this.live.pixel ? 0 : BODY_SLIP);
     return target && { ...target, pixel: this.aim, label: this.labelOf(target) };
   }
 
+  /** @type {(target: Target) => string} */
   labelOf({ joint, bench }) {
     const { errors } = this.live.frame;
     const force = joint && this.live.model.effortText(joint);

@@ -1,12 +1,14 @@
 // The widget of a notebook: a frame with the page, and what goes between it and Python.
 
+/** @param {{ model: any, el: HTMLElement }} view */
 function render({ model, el }) {
   const frame = document.createElement("iframe");
-  Object.assign(frame, { title: "A live session", width: "100%", height: 720 });
-  frame.style.border = 0;
+  Object.assign(frame, { title: "A live session", width: "100%", height: "720" });
+  frame.style.border = "0";
   frame.sandbox = "allow-scripts allow-downloads";
 
   // Without a kernel no page comes, and the picture remains that is hidden while the page is there.
+  /** @type {(page: string) => void} */
   const open = (page) => {
     if (frame.srcdoc) return; // That of another view of this widget.
     const style = document.createElement("style");
@@ -15,6 +17,7 @@ function render({ model, el }) {
     el.append(style, frame);
   };
 
+  /** @type {(content: any, buffers: DataView[]) => void} */
   const toPage = ({ page, ...content }, [view]) => {
     if (page) {
       open(page);
@@ -24,6 +27,7 @@ function render({ model, el }) {
       view && new Uint8Array(view.buffer, view.byteOffset, view.byteLength).slice().buffer;
     frame.contentWindow?.postMessage({ ...content, bytes }, "*");
   };
+  /** @type {(event: MessageEvent) => unknown} */
   const toPython = ({ source, data }) =>
     source !== null && source === frame.contentWindow && model.send(data);
 

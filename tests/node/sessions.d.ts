@@ -1,0 +1,178 @@
+// Types of what the scripts of the live page share, beside their own classes.
+
+type Kind = "force" | "torque";
+type Message = { do: string } & Record<string, unknown>;
+type Send = (message: Message) => void;
+
+interface Parameter {
+  name: string;
+  label?: string;
+  unit: string;
+  low: number;
+  high: number;
+  value: number;
+  logarithmic: boolean;
+  whole: boolean;
+  rebuilds: boolean;
+}
+
+interface LiveDragon extends BenchSizes {
+  lengths: number[];
+  widths: number[];
+  spacings: number[];
+  curve: number[];
+  curve_error: number;
+  hole: number;
+}
+
+/** What the server says of a scene. */
+interface LiveScene {
+  name: string;
+  title: string;
+  text: string;
+  lesson: string;
+  generation: number;
+  role: string;
+  dragon: LiveDragon | null;
+  field: Field;
+  y_down: boolean;
+  units: string;
+  unit_of: Record<Kind | "impulse", string>;
+  parameters: Parameter[];
+  plots: [string, string][];
+  buttons: string[];
+  keys: string[];
+  scenes: { name: string; title: string }[];
+  step: number;
+  given: boolean;
+  replays: boolean;
+  resets: boolean;
+}
+
+interface Obstacle {
+  id?: number;
+  shape: string;
+  x: number;
+  y: number;
+  size: number;
+}
+
+interface LiveState {
+  generation: number;
+  running: boolean;
+  replaying: boolean;
+  speed: number;
+  contacts: string;
+  clients: number;
+  values: Record<string, number>;
+  cuts: number[];
+  obstacles: Obstacle[];
+  free_from: number | null;
+}
+
+interface LiveEvent {
+  time: number;
+  text: string;
+}
+
+interface LiveError {
+  text: string;
+  place?: string;
+  trace?: string;
+}
+
+/** What Pymunk draws. */
+interface Shape {
+  kind: string;
+  points: Point[];
+  radius: number;
+}
+
+interface Call extends Shape {
+  angle: number;
+  fill: string;
+  outline?: string;
+  opaque: boolean;
+  grip: number;
+}
+
+interface LiveFrame {
+  generation: number;
+  time: number;
+  clock: number;
+  step: number;
+  step_time: number;
+  march_time: number;
+  waits: boolean;
+  held: [number, number, number, number] | null;
+  touching: number[];
+  plots?: (number | null)[];
+  sizes: Record<string, number>;
+  poses: Float32Array;
+  exact: Float32Array;
+  errors: Float32Array;
+  forces: Float32Array;
+  contacts: Float32Array;
+  joints: Float32Array;
+  calls: Call[];
+}
+
+interface Effort {
+  number: number;
+  effort: number;
+  kind: Kind;
+}
+
+interface Joint extends Effort {
+  ends: [Point, Point];
+}
+
+interface Scale {
+  step: number;
+  valueAt(position: number): number;
+  positionOf(value: number): number;
+}
+
+interface Held {
+  anchor: Point;
+  target: Point;
+}
+
+/** What a click would change. */
+interface Target {
+  bench?: number;
+  joint?: Joint;
+  call?: Call;
+  point?: Numbers;
+  obstacle?: Obstacle;
+  removes?: boolean;
+  label?: string;
+  pixel?: Point;
+}
+
+interface Shown {
+  frame: LiveFrame;
+  poses: Poses;
+  state: LiveState;
+  show: Record<string, boolean>;
+  held: Held | null;
+  target: Target | null;
+  aims: boolean;
+}
+
+interface ShownDragon extends Pick<Shown, "frame" | "state" | "show" | "target"> {
+  benches: Benches<DrawnBenches>;
+  visible: number[];
+  inContact: Set<number>;
+}
+
+/** A WebSocket, or what a notebook's widget has in its place. */
+interface Socket {
+  readyState: number;
+  binaryType?: string;
+  onopen: any;
+  onmessage: any;
+  onclose: any;
+  send(content: any): void;
+  close(): void;
+}
