@@ -209,6 +209,18 @@ def test_keys_step_through_frames_and_events(visit):
         settled(page, "player.playing")
 
 
+def test_wheel_over_the_timeline_zooms_around_the_pointer(visit):
+    # The timeline always has the present time.
+    with visit("#t=408.8") as page:
+        strip = page.locator("#strip").bounding_box()
+        begin, end = ask(page, "player.timeline")
+        page.mouse.move(strip["x"] + strip["width"] / 2, strip["y"] + strip["height"] / 2)
+        page.mouse.wheel(0, -300)
+        settled(page, f"player.timeline[1] - player.timeline[0] < {end - begin}")
+        nearer = ask(page, "player.timeline")
+        assert sum(nearer) / 2 == pytest.approx((begin + end) / 2, abs=0.05)
+
+
 def test_benches_in_contact_have_the_contact_colour_from_the_contact_on(visit, seed):
     with visit("#show=curve") as page:
         page.select_option("#events", label="412.47 s: Contact: benches 0 and 8")

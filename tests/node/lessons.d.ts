@@ -56,6 +56,14 @@ interface SliderOptions {
   show?: (value: number) => string;
 }
 
+interface KnobOptions {
+  pane?: StagePane;
+  at: () => Numbers;
+  moved: (point: Point, way?: number) => unknown;
+  step?: number;
+  small?: boolean;
+}
+
 /** A slider as a lesson has it. */
 interface Slid {
   value: number;

@@ -166,6 +166,13 @@ interface ShownDragon extends Pick<Shown, "frame" | "state" | "show" | "target">
   inContact: Set<number>;
 }
 
+/** What takes the messages of a connection, and whether it is open. */
+interface Listeners {
+  received(message: any): void;
+  framed(buffer: ArrayBuffer): void;
+  changed(open: boolean): void;
+}
+
 /** A WebSocket, or what a notebook's widget has in its place. */
 interface Socket {
   readyState: number;

@@ -38,8 +38,11 @@ class Exact {
   // Poses of the exact benches beside `benches` at `time`,
   // with their distances from these magnified; null if unknown.
   /**
-   * @type {(benches: Benches<MovingBenches>, time: number, magnification?: number) => Poses |
-   *   null}
+   * @type {(
+   *   benches: Benches<MovingBenches>,
+   *   time: number,
+   *   magnification?: number,
+   * ) => Poses | null}
    */
   posesBeside(benches, time, magnification = 1) {
     const offsets = this.offsetsAt(time);

@@ -12,8 +12,13 @@ const normalizeAngle = (angle) => angle - TURN * Math.floor((angle + Math.PI) / 
 // Pose of bench `i` and its rate of change on the cubic Hermite polynomial between two frames
 // `interval` s apart. Angles change by at most half a turn.
 /**
- * @type {(one: FrameMotion, two: FrameMotion, interval: number, share: number, i: number) =>
- *   BenchMotion}
+ * @type {(
+ *   one: FrameMotion,
+ *   two: FrameMotion,
+ *   interval: number,
+ *   share: number,
+ *   i: number,
+ * ) => BenchMotion}
  */
 function hermite(one, two, interval, share, i) {
   const left = 1 - share;
@@ -123,7 +128,9 @@ class Motion {
   // The two frames around a time, the interval between them in s,
   // and the fraction of it that has passed.
   /**
-   * @type {(time: number) => { before: number, after: number, interval: number, share: number }}
+   * @type {(
+   *   time: number,
+   * ) => { before: number, after: number, interval: number, share: number }}
    */
   between(time) {
     const last = this.times.length - 1;

@@ -6,8 +6,12 @@ const CELL_OPACITY = 0.1; // of covered cells, as in the films
 const LINE_OPACITY = 0.28; // of lines, as in the films
 
 /**
- * @type {(painter: RunPainter, benches: Benches<MovingBenches>, visible: number[], grid: Grid) =>
- *   void}
+ * @type {(
+ *   painter: RunPainter,
+ *   benches: Benches<MovingBenches>,
+ *   visible: number[],
+ *   grid: Grid,
+ * ) => void}
  */
 function drawGrid(painter, benches, visible, grid) {
   const { context, colours, view } = painter;

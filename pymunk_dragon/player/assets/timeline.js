@@ -39,8 +39,10 @@ function eventsOf(payload) {
 
 class Timeline {
   /**
-   * @param {HTMLCanvasElement} strip @param {HTMLInputElement} slider @param {Motion} motion
-   *   @param {RunEvent[]} events
+   * @param {HTMLCanvasElement} strip
+   * @param {HTMLInputElement} slider
+   * @param {Motion} motion
+   * @param {RunEvent[]} events
    */
   constructor(strip, slider, motion, events) {
     this.strip = strip;

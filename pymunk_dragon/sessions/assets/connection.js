@@ -32,8 +32,9 @@ class WidgetSocket {
 
   // A frame counts as drawn with the next picture; a page that nobody sees has none.
   /**
-   * @type {(message: { text?: string, bytes?: ArrayBuffer, frame?: number, closed?: boolean }) =>
-   *   void}
+   * @type {(
+   *   message: { text?: string, bytes?: ArrayBuffer, frame?: number, closed?: boolean },
+   * ) => void}
    */
   take({ text, bytes, frame, closed }) {
     clearTimeout(this.waiting);
@@ -66,10 +67,7 @@ class WidgetSocket {
 class Connection {
   // `received` gets each JSON message, `framed` each binary frame,
   // and `changed` whether the connection is open.
-  /**
-   * @param {{ received: (message: any) => void, framed: (buffer: ArrayBuffer) => void, changed:
-   *   (open: boolean) => void }} actions
-   */
+  /** @param {Listeners} listeners */
   constructor({ received, framed, changed }) {
     this.received = received;
     this.framed = framed;

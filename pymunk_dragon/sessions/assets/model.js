@@ -53,8 +53,12 @@ class Model {
   // is drawn last there, or else the nearest within `slip`; and its point closest to that point.
   // Null if there is none.
   /**
-   * @type {(point: Numbers, slip: number, frame: LiveFrame, poses: Poses) => (Target & { point:
-   *   Numbers }) | null}
+   * @type {(
+   *   point: Numbers,
+   *   slip: number,
+   *   frame: LiveFrame,
+   *   poses: Poses,
+   * ) => (Target & { point: Numbers }) | null}
    */
   bodyAt(point, slip, { calls }, poses) {
     if (this.benches) {
@@ -147,8 +151,10 @@ function isInside(corners, [px, py]) {
 
 // Point of a shape that is closest to a point, and the distance; 0 within the shape.
 /**
- * @type {(shape: { points: Point[], radius: number }, given: Numbers) => { point: Numbers,
- *   distance: number }}
+ * @type {(
+ *   shape: { points: Point[], radius: number },
+ *   given: Numbers,
+ * ) => { point: Numbers, distance: number }}
  */
 function nearestOnShape({ points, radius }, given) {
   if (isInside(points, given)) return { point: given, distance: 0 };

@@ -7,7 +7,9 @@ const POSITIONS = 400; // steps of a slider
 
 // What a slider of a parameter shows at a position from 0 to 1, and the reverse.
 /**
- * @type {(range: { low: number, high: number, logarithmic?: boolean, whole?: boolean }) => Scale}
+ * @type {(
+ *   range: { low: number, high: number, logarithmic?: boolean, whole?: boolean },
+ * ) => Scale}
  */
 function scaleOf({ low, high, logarithmic, whole }) {
   const log = logarithmic && low > 0;

@@ -15,8 +15,11 @@ function write(target, name, value) {
 const setText = (id, text) => write(element(id), "textContent", text);
 
 /**
- * @type {<K extends keyof HTMLElementTagNameMap>(tag: K, properties?: object, ...children: (Node
- *   | string)[]) => HTMLElementTagNameMap[K]}
+ * @type {<K extends keyof HTMLElementTagNameMap>(
+ *   tag: K,
+ *   properties?: object,
+ *   ...children: (Node | string)[],
+ * ) => HTMLElementTagNameMap[K]}
  */
 function created(tag, properties = {}, ...children) {
   const made = Object.assign(document.createElement(tag), properties);

@@ -29,8 +29,11 @@ function drawHandles(painter, benches, visible) {
 }
 
 /**
- * @type {(painter: Painter<MovingBenches>, benches: Benches<MovingBenches>, visible: number[]) =>
- *   void}
+ * @type {(
+ *   painter: Painter<MovingBenches>,
+ *   benches: Benches<MovingBenches>,
+ *   visible: number[],
+ * ) => void}
  */
 function drawVelocities(painter, benches, visible) {
   const { context, colours, motion, view } = painter;
@@ -65,8 +68,12 @@ function addArrow(path, [px, py], dx, dy) {
 
 // Numbers in the benches.
 /**
- * @type {(painter: Painter, benches: Benches<DrawnBenches>, visible: number[], inContact:
- *   Set<number>) => void}
+ * @type {(
+ *   painter: Painter,
+ *   benches: Benches<DrawnBenches>,
+ *   visible: number[],
+ *   inContact: Set<number>,
+ * ) => void}
  */
 function drawNumbers(painter, benches, visible, inContact) {
   const { context, colours, motion, view } = painter;
@@ -108,8 +115,12 @@ function drawNumbers(painter, benches, visible, inContact) {
 }
 
 /**
- * @type {(painter: Painter, time: number, benches: Benches<DrawnBenches>, touching: { benches:
- *   Pair }[]) => void}
+ * @type {(
+ *   painter: Painter,
+ *   time: number,
+ *   benches: Benches<DrawnBenches>,
+ *   touching: { benches: Pair }[],
+ * ) => void}
  */
 function drawContacts(painter, time, benches, touching) {
   const { view } = painter;

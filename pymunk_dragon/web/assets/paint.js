@@ -13,8 +13,11 @@ const THICKEST_OUTLINE = 1.25; // pixels
 /** @template {DrawnBenches} [M=any] */
 class Painter {
   /**
-   * @param {HTMLCanvasElement} canvas @param {M} motion @param {View} view @param {Payload}
-   *   payload @param {ArrayLike<number>} curve
+   * @param {HTMLCanvasElement} canvas
+   * @param {M} motion
+   * @param {View} view
+   * @param {Payload} payload
+   * @param {ArrayLike<number>} curve
    */
   constructor(canvas, motion, view, payload, curve) {
     this.canvas = canvas;
@@ -121,8 +124,12 @@ class Painter {
   }
 
   /**
-   * @type {(benches: Benches<DrawnBenches>, visible: number[], radius: number, colour: string) =>
-   *   Path2D}
+   * @type {(
+   *   benches: Benches<DrawnBenches>,
+   *   visible: number[],
+   *   radius: number,
+   *   colour: string,
+   * ) => Path2D}
    */
   drawHoles(benches, visible, radius, colour) {
     const { context, view } = this;
@@ -163,7 +170,11 @@ class Painter {
   }
 
   /**
-   * @type {(font: string, textAlign: CanvasTextAlign, textBaseline: CanvasTextBaseline) => void}
+   * @type {(
+   *   font: string,
+   *   textAlign: CanvasTextAlign,
+   *   textBaseline: CanvasTextBaseline,
+   * ) => void}
    */
   setFont(font, textAlign, textBaseline) {
     Object.assign(this.context, { font: `${font} ${this.font}`, textAlign, textBaseline });
@@ -183,8 +194,14 @@ class Painter {
 
 // A line with a rim of the background's colour.
 /**
- * @type {(context: CanvasRenderingContext2D, path: Path2D, rim: string, colour: string, width:
- *   number, rimWidth?: number) => void}
+ * @type {(
+ *   context: CanvasRenderingContext2D,
+ *   path: Path2D,
+ *   rim: string,
+ *   colour: string,
+ *   width: number,
+ *   rimWidth?: number,
+ * ) => void}
  */
 function strokeTwice(context, path, rim, colour, width, rimWidth = 1) {
   strokeOnce(context, path, rim, width + 2 * rimWidth);
@@ -192,8 +209,12 @@ function strokeTwice(context, path, rim, colour, width, rimWidth = 1) {
 }
 
 /**
- * @type {(context: CanvasRenderingContext2D, path: Path2D, colour: string, width: number) =>
- *   void}
+ * @type {(
+ *   context: CanvasRenderingContext2D,
+ *   path: Path2D,
+ *   colour: string,
+ *   width: number,
+ * ) => void}
  */
 function strokeOnce(context, path, colour, width) {
   context.strokeStyle = colour;

@@ -41,8 +41,10 @@ const fontOf = (element) => getComputedStyle(element).fontFamily;
 // Match a canvas to the pixels of the screen; returns its size in those of the page,
 // in which one draws then.
 /**
- * @type {(canvas: HTMLCanvasElement, context: CanvasRenderingContext2D) => { width: number,
- *   height: number }}
+ * @type {(
+ *   canvas: HTMLCanvasElement,
+ *   context: CanvasRenderingContext2D,
+ * ) => { width: number, height: number }}
  */
 function fitCanvas(canvas, context) {
   const { width, height } = canvas.getBoundingClientRect();
@@ -156,8 +158,10 @@ class Pane {
   }
 
   /**
-   * @type {(points: Iterable<Numbers>, look?: { colour?: string, width?: number, dash?: number[]
-   *   }) => void}
+   * @type {(
+   *   points: Iterable<Numbers>,
+   *   look?: { colour?: string, width?: number, dash?: number[] },
+   * ) => void}
    */
   line(points, { colour = "text", width = 1, dash = [] } = {}) {
     const { context } = this;
@@ -192,8 +196,11 @@ class Pane {
 
   // A text with a rim, moved by pixels.
   /**
-   * @type {(point: Numbers, text: string, look?: { dx?: number, dy?: number, align?:
-   *   CanvasTextAlign, colour?: string }) => void}
+   * @type {(
+   *   point: Numbers,
+   *   text: string,
+   *   look?: { dx?: number, dy?: number, align?: CanvasTextAlign, colour?: string },
+   * ) => void}
    */
   text(point, text, { dx = 0, dy = 0, align = "center", colour = "text" } = {}) {
     const { context } = this;

@@ -452,8 +452,13 @@ function smallestOf(all, f) {
 // The first root of a gap between two arguments, in steps
 // that see each of its minima below `near`; null if none.
 /**
- * @type {(gap: (at: number) => number, begin: number, end: number, step: number, near: number) =>
- *   number | null}
+ * @type {(
+ *   gap: (at: number) => number,
+ *   begin: number,
+ *   end: number,
+ *   step: number,
+ *   near: number,
+ * ) => number | null}
  */
 function firstContact(gap, begin, end, step, near) {
   let before = Infinity;

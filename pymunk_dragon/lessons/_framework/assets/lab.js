@@ -132,10 +132,7 @@ class Lab {
 
   // A thing to drag at the point `at()` of a pane. `moved` takes the point to which it goes, and
   // from an arrow key, which moves it by `step`, also 1 (right, up) or -1; with Shift 10 or -10.
-  /**
-   * @type {(label: Words, options: { pane?: StagePane, at: () => Numbers, step?: number, small?:
-   *   boolean, moved: (point: Point, way?: number) => unknown }) => void}
-   */
+  /** @type {(label: Words, options: KnobOptions) => void} */
   knob(label, { pane = this.panes[0], at, moved, step = 0.05, small = false }) {
     const knob = created("button", { type: "button", className: small ? "small knob" : "knob" });
     /** @type {(point: Point, way?: number) => void} */
@@ -249,8 +246,10 @@ const headAndBodies = (i) => (i === 0 ? "head" : "body");
 // `axes`, with both languages' names.
 class StagePane extends Pane {
   /**
-   * @param {Lab} lab @param {number} share @param {() => PaneView} view @param {(pane: StagePane)
-   *   => void} draw
+   * @param {Lab} lab
+   * @param {number} share
+   * @param {() => PaneView} view
+   * @param {(pane: StagePane) => void} draw
    */
   constructor(lab, share, view, draw) {
     super(lab.context, lab);
@@ -287,8 +286,11 @@ class StagePane extends Pane {
 
   // Benches in the colours that `colour` has for their numbers, each above those behind it.
   /**
-   * @type {(benches: Benches<BenchSizes>, colour?: (i: number) => string, alpha?: number) =>
-   *   void}
+   * @type {(
+   *   benches: Benches<BenchSizes>,
+   *   colour?: (i: number) => string,
+   *   alpha?: number,
+   * ) => void}
    */
   benches(benches, colour = headAndBodies, alpha = 1) {
     const { context } = this;
