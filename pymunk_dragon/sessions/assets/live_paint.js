@@ -21,7 +21,10 @@ class LivePainter extends Painter {
   /** @type {(model: Model) => void} */
   setModel(model) {
     const { dragon } = model.scene;
-    Object.assign(this, { model, motion: model, payload: { dragon }, curve: dragon?.curve ?? [] });
+    this.model = model;
+    this.motion = model;
+    this.payload = /** @type {any} */ ({ dragon });
+    this.curve = dragon?.curve ?? [];
     this.curveError = Math.max(dragon?.curve_error ?? 0, Number.EPSILON);
     this.scales = { force: new LogScale(), torque: new LogScale() };
     this.impulseScale = new LogScale();

@@ -93,14 +93,12 @@ class Pane {
     const { left, right, above, below } = margins;
     const wide = this.width - left - right;
     const high = this.height - above - below;
-    Object.assign(this, {
-      x0,
-      y0: y1,
-      sx: wide / (x1 - x0),
-      sy: high / (y1 - y0),
-      left,
-      ceiling: this.top + above,
-    });
+    this.x0 = x0;
+    this.y0 = y1;
+    this.sx = wide / (x1 - x0);
+    this.sy = high / (y1 - y0);
+    this.left = left;
+    this.ceiling = this.top + above;
     for (const x of name ? ticks(x0, x1, this.sx / TICKS_ACROSS) : []) {
       this.line(
         [

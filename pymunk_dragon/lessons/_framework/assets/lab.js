@@ -263,7 +263,9 @@ class StagePane extends Pane {
   paint(top, width, height) {
     const { context, lab } = this;
     const view = this.view();
-    Object.assign(this, { top, width, height });
+    this.top = top;
+    this.width = width;
+    this.height = height;
     context.save();
     context.beginPath();
     context.rect(0, top, width, height);
@@ -271,14 +273,12 @@ class StagePane extends Pane {
     if ("size" in view) {
       const { x, y, size, wide = size } = view;
       const scale = Math.min(width / wide, height / size);
-      Object.assign(this, {
-        x0: x,
-        y0: y,
-        sx: scale,
-        sy: scale,
-        left: width / 2,
-        ceiling: top + height / 2,
-      });
+      this.x0 = x;
+      this.y0 = y;
+      this.sx = scale;
+      this.sy = scale;
+      this.left = width / 2;
+      this.ceiling = top + height / 2;
     } else this.axes({ ...view, name: lab.say(view.name) });
     this.draw(this);
     context.restore();
