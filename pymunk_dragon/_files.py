@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import os
+import shutil
 import stat
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from secrets import token_hex
+from tempfile import TemporaryFile, gettempdir
 from typing import TypeVar
 
-from pymunk_dragon._signals import signals_held
 from pymunk_dragon.errors import FileFormatError, OutputError, ParameterError
 
 # Bytes of a text file: 50,000 points with all their digits have 2.2 MB.
@@ -25,9 +27,15 @@ def check_destination(path: str | Path, endings: Iterable[str]) -> Path:
     """
     if not isinstance(path, str | Path):
         raise ParameterError("output", path, "a path")
-    destination, known = Path(path), list(endings)
-    with temporary_folder(destination):
+    destination = Path(path)
+    known = list(endings)
+    try:
+        TemporaryFile(dir=_folder_of(destination)).close()
         unnamed = len(known) == 1 and _is_stream(destination)
+    except (OSError, ValueError) as error:
+        bound = f"in a folder that can be written ({_reason(error)})"
+        raise ParameterError("output", str(destination), bound) from error
+
     if destination.is_dir():
         raise ParameterError("output", str(path), "a file, not a folder")
     if destination.suffix.lower() not in known and not unnamed:
@@ -43,26 +51,27 @@ def written_in_place(path: str | Path) -> Iterator[Path]:
     OSError becomes an OutputError, but for those in `passed_on`.
     """
     destination = Path(path)
+    # Named before it is made, so that an interruption at any point removes it.
+    folder = Path(_folder_of(destination), f".pymunk-dragon-{token_hex(8)}")
+    draft = folder / f"draft{destination.suffix}"
     try:
-        with temporary_folder(destination) as folder:
-            draft = folder / f"draft{destination.suffix}"
-            yield draft
-            if _is_stream(destination):
-                destination.write_bytes(draft.read_bytes())
-                return
+        # Nobody else can read the draft.
+        folder.mkdir(mode=0o700)
+        yield draft
+        if _is_stream(destination):
+            destination.write_bytes(draft.read_bytes())
+        else:
             with suppress(FileNotFoundError):
                 draft.chmod(stat.S_IMODE(destination.stat().st_mode))
             draft.replace(os.path.realpath(destination))
     except _PassedOn as passed:
-        raised = passed.error
+        raise passed.error from passed.error.__cause__
     except OutputError:
         raise
     except OSError as error:
         raise OutputError(destination, _reason(error)) from error
-    else:
-        return
-    # Not in the clause above, whose exception would be the context of this one.
-    raise raised
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
 
 
 class _PassedOn(BaseException):
@@ -131,37 +140,19 @@ def _numbers(cells: Iterable[str]) -> Iterator[float]:
             yield float(cell)
 
 
+def _folder_of(destination: Path) -> str:
+    """The folder of a file that is replaced, also by a link; that of temporary files for a stream."""
+    if _is_stream(destination):
+        return gettempdir()
+    return os.path.dirname(os.path.realpath(destination))
+
+
 def _is_stream(path: Path) -> bool:
     """Whether a file is written to instead of replaced: a device or a FIFO."""
     try:
         return not stat.S_ISREG(path.stat().st_mode)
     except FileNotFoundError:
         return False
-
-
-@contextmanager
-def temporary_folder(destination: Path | None = None) -> Iterator[Path]:
-    """A new folder beside a file that is to be replaced, or anywhere; signals wait while it is made and removed."""
-    from tempfile import TemporaryDirectory
-
-    is_held = True
-    with signals_held(lambda: is_held) as release:
-        try:
-            is_replaced = destination is not None and not _is_stream(destination)
-            beside = os.path.dirname(os.path.realpath(str(destination))) if is_replaced else None
-            folder = TemporaryDirectory(prefix=".pymunk-dragon-", dir=beside)
-        except (OSError, ValueError) as error:
-            if destination is None:
-                raise OutputError("a temporary folder", _reason(error)) from error
-            bound = f"in a folder that can be written ({_reason(error)})"
-            raise ParameterError("output", str(destination), bound) from error
-        try:
-            is_held = False
-            release()
-            yield Path(folder.name)
-        finally:
-            is_held = True
-            folder.cleanup()
 
 
 def _reason(error: Exception) -> str:

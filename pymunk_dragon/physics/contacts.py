@@ -68,8 +68,7 @@ class Recorder:
         self.events: list[ContactEvent] = []
         # Contacts that began in the last step, as at its end.
         self.begun: list[Contact] = []
-        # Whether a step is being made: a signal's handler must not run then, because it could raise
-        # an exception in C.
+        # Whether a step is being made.
         self.in_engine = False
         self._world, self._on_event, self._time = world, on_event, world.start
         self._benches: dict[pymunk.Shape, tuple[int, pymunk.Body]] = {

@@ -12,7 +12,6 @@ import numpy as np
 
 from pymunk_dragon._arrays import Array, as_vectors
 from pymunk_dragon._checks import function
-from pymunk_dragon._signals import signals_held
 from pymunk_dragon.errors import DragonError, UnreachableError
 from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog
 from pymunk_dragon.model.dragon import pose_step
@@ -149,10 +148,9 @@ class _Loop:
         begin = perf_counter()
         # A chain that flies apart is found by `_record`, in the next frame; until then NumPy need
         # not warn of it.
-        with np.errstate(all="ignore"), signals_held(lambda: self.recorder.in_engine) as release:
+        with np.errstate(all="ignore"):
             for _ in track(world, total):
                 self._step()
-                release()
                 if self.first_contact is not None and settings.contacts == "stop":
                     break
                 if self.substeps % per_frame == 0:
