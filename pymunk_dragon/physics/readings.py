@@ -285,9 +285,9 @@ class Contacts:
 
     def _awake(self, pairs: Array, flags: Any) -> tuple[Array, Any]:
         """Pairs without those that sleep, which Pymunk may list, and does not draw."""
-        asleep = [body.id for body in self._space.bodies if body.is_sleeping]
-        if not asleep:
+        if math.isinf(self._space.sleep_time_threshold):
             return pairs, flags
+        asleep = [body.id for body in self._space.bodies if body.is_sleeping]
         awake = ~np.isin(flags[:, :2], np.array(asleep, np.uintp)).any(axis=1)
         return pairs[awake], flags[awake]
 
@@ -367,7 +367,7 @@ def arbiter_rows(arbiter: pymunk.Arbiter, swapped: bool, impulse: float) -> list
     """The rows of `Contacts` for a pair in a callback, `swapped` if its second body is the older."""
     contact = arbiter.contact_point_set
     normal = contact.normal * (-1 if swapped else 1)
-    rows = []
+    rows: list[tuple[float, ...]] = []
     for point, size in zip(contact.points, (impulse, NO_ARROW), strict=False):
         middle = (point.point_a + point.point_b) / 2
         rows.append((*middle, *normal, size))
