@@ -20,7 +20,7 @@ class _Interruption(KeyboardInterrupt):
 
 
 def main() -> None:
-    """Run the program, and exit with the code of its `status` or with 128 plus a signal's number."""
+    """Run the program, and exit with the code of `status` or with 128 plus a signal's number."""
     received: list[int] = []
 
     def stop(number: int, frame: FrameType | None) -> None:

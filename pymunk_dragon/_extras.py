@@ -28,7 +28,7 @@ FEATURES = {
 
 
 def library(name: str) -> Any:
-    """A module of an extra by its name, as `library("scipy.interpolate")`, also to check that it is installed.
+    """A module of an extra by its name, as `library("scipy.interpolate")`.
 
     What the module raises while it is imported is raised from here.
     """
@@ -52,4 +52,5 @@ def is_installed(name: str) -> bool:
 
 def missing_extra(name: str) -> MissingExtraError:
     """The error for a library that is not installed."""
-    return MissingExtraError(*(FEATURES.get(name) or FEATURES[name.partition(".")[0]]))
+    feature, extra = FEATURES.get(name) or FEATURES[name.partition(".")[0]]
+    return MissingExtraError(feature, extra)

@@ -1,4 +1,4 @@
-"""Writing files so that an interrupted program leaves the old file or none, and reading text and tables of numbers."""
+"""Files: an interrupted program leaves the old one or none; text and tables of numbers are read."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ T = TypeVar("T")
 
 
 def check_destination(path: str | Path, endings: Iterable[str]) -> Path:
-    """`path`, if it has one of the endings and can be written, which is tried; a ParameterError if not.
+    """`path`, if it has one of the endings and can be written, which is tried.
 
     A device or a FIFO needs no ending if there is only one to choose from.
     """
@@ -45,10 +45,10 @@ def check_destination(path: str | Path, endings: Iterable[str]) -> Path:
 
 @contextmanager
 def written_in_place(path: str | Path) -> Iterator[Path]:
-    """Yield the name of a draft to write to, which replaces `path` at the end, or is removed after an exception.
+    """Yield the name of a draft, which replaces `path` at the end or is removed after an error.
 
     The file keeps its mode, and symbolic links to it stay. Devices and FIFOs are written to. An
-    OSError becomes an OutputError, but for those in `passed_on`.
+    OSError becomes an OutputError, except one in `passed_on`.
     """
     destination = Path(path)
     # Named before it is made, so that an interruption at any point removes it.
@@ -83,7 +83,7 @@ class _PassedOn(BaseException):
 
 
 def passed_on(drawn: Iterator[T]) -> Iterator[T]:
-    """Yield what is drawn inside `written_in_place`, which raises errors of the drawing as they are.
+    """Yield what is drawn inside `written_in_place`, which raises errors of the drawing unchanged.
 
     Drawing calls functions of the user, whose errors are not those of the file.
     """
@@ -94,7 +94,7 @@ def passed_on(drawn: Iterator[T]) -> Iterator[T]:
 
 
 def read_text(path: str | Path, name: str, limit: int = _MAX_TEXT) -> str:
-    """Text of the UTF-8 file of at most `limit` bytes that the parameter `name` gives, without a byte order mark."""
+    """Text of the UTF-8 file of at most `limit` bytes that the parameter `name` gives."""
     try:
         with Path(path).open("rb") as file:
             # Not the size of the file: devices have none, and may be endless.
@@ -119,15 +119,16 @@ def number_rows(
     """
     meant = " and ".join(columns)
     rows: dict[int, tuple[float, ...]] = {}
+
     for line, content in enumerate(read_text(path, name).splitlines(), start=1):
         cells = [cell.strip(' \t"') for cell in content.split(",")]
         row = tuple(_numbers(cells))
         if any(cells) and (row or line > 1):
             if not len(row) == len(cells) == len(columns):
-                raise FileFormatError(
-                    path, f"line {line} must hold {meant}, not {content.strip()[:40]!r}"
-                )
+                shown = content.strip()[:40]
+                raise FileFormatError(path, f"line {line} must hold {meant}, not {shown!r}")
             rows[line] = row
+
     if not rows:
         raise FileFormatError(path, f"no line holds {meant}")
     return list(rows), list(rows.values())
@@ -141,7 +142,7 @@ def _numbers(cells: Iterable[str]) -> Iterator[float]:
 
 
 def _folder_of(destination: Path) -> str:
-    """The folder of a file that is replaced, also by a link; that of temporary files for a stream."""
+    """The folder in which a file is replaced; that of temporary files for a device or a FIFO."""
     if _is_stream(destination):
         return gettempdir()
     return os.path.dirname(os.path.realpath(destination))

@@ -177,7 +177,7 @@ class Recorder:
 def _manifold(
     contact: pymunk.ContactPointSet, swapped: bool
 ) -> tuple[tuple[_Vector, ...], _Vector, float]:
-    """Contact points, m, from the deepest on, normal from the lower to the higher bench, depth, m."""
+    """Contact points, the deepest first, normal from the lower to the higher bench, and depth."""
     ordered = sorted(contact.points, key=lambda point: point.distance)
     points = []
     for point in ordered:

@@ -153,7 +153,7 @@ class JointForces:
         return 0.0 if isinstance(joint, _SPRINGS) else (ratio - 1) * impulse
 
     def sizes(self, joints: Sequence[pymunk.Constraint]) -> Array:
-        """Sizes (J,) of forces, or of torques of rotary joints, in the last step; nan if it took 0 s."""
+        """Forces (J,), or torques of rotary joints, in the last step; nan if it took 0 s."""
         impulses = [self._impulse(joint) for joint in joints]
         return np.abs(impulses) / (self._length or math.nan)
 
@@ -364,7 +364,7 @@ def impulse_of(arbiter: pymunk.Arbiter, before: pymunk.Vec2d, ratio: float) -> p
 
 
 def arbiter_rows(arbiter: pymunk.Arbiter, swapped: bool, impulse: float) -> list[tuple[float, ...]]:
-    """The rows of `Contacts` for a pair in a callback, `swapped` if its second body is the older."""
+    """The rows of `Contacts` for a pair in a callback, `swapped` if its second body is older."""
     contact = arbiter.contact_point_set
     normal = contact.normal * (-1 if swapped else 1)
     rows: list[tuple[float, ...]] = []

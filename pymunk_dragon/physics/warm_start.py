@@ -26,7 +26,7 @@ _REGULARISATION = 1e-14
 def _balanced_impulses(
     joints: _Joints, poses: Array, velocities: Array, inverse_masses: Array
 ) -> list[Array]:
-    """Impulses that leave no relative velocity at the joints, N s: x and y at a pivot, one at a pin.
+    """Impulses that leave no relative velocity at the joints, N s: two at a pivot, one at a pin.
 
     `poses` (N, 3) and `velocities` (N, 3) without the joints are in m, m, rad and per s.
     `inverse_masses` (N, 3) are one over the mass, twice, and over the moment; zeros where the
@@ -37,8 +37,8 @@ def _balanced_impulses(
     diagonals = []
     uppers = []
     rights = []
-    # Relative velocities at the joints by the velocity of a bench: at its front, `own`, and at the
-    # joints of the bench behind it, `front`.
+    # The relative velocities at the joints of a bench are `own` times its velocity, plus `front`
+    # times that of the bench before.
     own = np.zeros((0, 3))
     for bench, (pivot, pins) in enumerate(joints, start=1):
         pose = poses[bench]

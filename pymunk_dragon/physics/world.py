@@ -1,4 +1,4 @@
-"""The dragon as Pymunk bodies, shapes and joints, with a kinematic head or one that a motor pulls."""
+"""The dragon as Pymunk bodies, shapes and joints; its head is kinematic or pulled by a motor."""
 
 from __future__ import annotations
 
@@ -215,7 +215,7 @@ class World:
             turn.max_force = float(self.march.dragon.lengths[0]) / 2 * pull.max_force
 
     def _add_bodies(self) -> None:
-        """Add the bodies: the head is the control body itself, or has motors of finite force to it."""
+        """Add the bodies: the head is the control body, or has motors of finite force to it."""
         self.bodies = list(map(pymunk.Body, self.masses.tolist(), self.moments.tolist()))
         # A kinematic body that has the exact poses of the head.
         self._control = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
@@ -232,7 +232,7 @@ class World:
             self._add_joints(*self._motors)
 
     def _join(self) -> None:
-        """Add the pivots and the guide's joints, in the order that the package's docstring explains."""
+        """Add the pivots and the guide's joints; the package's docstring explains their order."""
         half = self.march.dragon.spacings / 2
         guiding = self._dancers.joints
         for bench, (before, body) in enumerate(pairwise(self.bodies), start=1):
