@@ -8,7 +8,6 @@ import stat
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from secrets import token_hex
 from tempfile import TemporaryFile, gettempdir
 from typing import TypeVar
 
@@ -52,7 +51,7 @@ def written_in_place(path: str | Path) -> Iterator[Path]:
     """
     destination = Path(path)
     # Named before it is made, so that an interruption at any point removes it.
-    folder = Path(_folder_of(destination), f".pymunk-dragon-{token_hex(8)}")
+    folder = Path(_folder_of(destination), f".pymunk-dragon-{os.urandom(8).hex()}")
     draft = folder / f"draft{destination.suffix}"
     try:
         # Nobody else can read the draft.

@@ -118,6 +118,7 @@ class Recorder:
         known = benches in self._touching
 
         if phase == "separate":
+            # The end of a false contact is no event.
             self._touching.discard(benches)
             self._earlier.pop(benches, None)
             if known:
@@ -154,6 +155,7 @@ class Recorder:
         )
 
         if not known:
+            # A contact that was false when it began may become true in any phase.
             self._touching.add(benches)
             contact = Contact(
                 time=self._time,

@@ -390,7 +390,8 @@ class Touches:
 
     def begin(self) -> bool:
         """Whether a pair touches that did not touch at the last call, or when this was made."""
-        before, self._touching = self._touching, _touching(self._space)
+        before = self._touching
+        self._touching = _touching(self._space)
         return bool(self._touching - before)
 
 
