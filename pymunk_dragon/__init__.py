@@ -1,4 +1,4 @@
-"""A bench dragon coils inward until it runs into itself: Pymunk plays it, an exact model checks it."""
+"""A bench dragon coils inward until it runs into itself, in Pymunk and in an exact model."""
 
 # ruff: noqa: F403  # For type checkers only; `__all__` has the names.
 
@@ -17,7 +17,9 @@ _NAMES = {
     "collision": "FirstContact Grid NearMiss Separation first_contact scan separation",
     "drawing": "Camera Film render",
     "drawing.debug_draw": "PillowDrawOptions",
-    "errors": "DragonError FileFormatError MissingExtraError OutputError ParameterError UnreachableError",
+    "errors": (
+        "DragonError FileFormatError MissingExtraError OutputError ParameterError UnreachableError"
+    ),
     "model.contact": "Contact ContactEvent ContactLog",
     "model.curves": "Arc Composite Curve Line Reversed Sampled Section Spiral UTurn check_curve",
     "model.dragon": "Dragon outlines",

@@ -34,7 +34,7 @@ def read_only(array: NDArray[A]) -> NDArray[A]:
 class ArrayRecord:
     """Equality and hash of dataclasses with arrays: their shapes, types and bits.
 
-    Fields with ``compare=False`` are ignored, and others than arrays in the hash.
+    Fields with ``compare=False`` are ignored. The hash is that of the arrays.
     """
 
     def __eq__(self, other: object) -> bool:
@@ -45,9 +45,13 @@ class ArrayRecord:
 
 
 def _values(record: Any) -> list[tuple[type, Any]]:
-    """The class and the value of each field that is compared; of an array what can be compared."""
-    values = [getattr(record, field.name) for field in fields(record) if field.compare]
-    return [
-        (type(v), (v.shape, v.dtype.str, v.tobytes()) if isinstance(v, np.ndarray) else v)
-        for v in values
-    ]
+    """Class and value of each field that is compared; of an array its shape, type and bytes."""
+    values: list[tuple[type, Any]] = []
+    for field in fields(record):
+        if field.compare:
+            value = getattr(record, field.name)
+            kind = type(value)
+            if isinstance(value, np.ndarray):
+                value = value.shape, value.dtype.str, value.tobytes()
+            values.append((kind, value))
+    return values

@@ -16,6 +16,7 @@ from pymunk_dragon.errors import ParameterError
 
 C = TypeVar("C", bound=Callable[..., Any])
 T = TypeVar("T")
+
 # m: coordinates of benches. A thousand times the rim of the largest spiral; products of such
 # coordinates are far from the ends of a double.
 MAX_COORDINATE = 1e9
@@ -34,9 +35,8 @@ def positive(name: str, value: object, high: float, unit: str) -> float:
     amount = number(value)
     if math.isfinite(amount) and 0 < amount <= high:
         return amount
-    bound = (
-        "a finite number above 0" if high == math.inf else f"a number above 0 and at most {high:g}"
-    )
+    limited = f"a number above 0 and at most {high:g}"
+    bound = "a finite number above 0" if high == math.inf else limited
     raise ParameterError(name, value, f"{bound} {unit}".rstrip())
 
 
@@ -93,16 +93,13 @@ def within(name: str, values: Array, low: float, high: float, unit: str) -> Arra
     """`values`, if all of them are finite numbers within [low, high]."""
     wrong = values[~((values >= low) & (values <= high))]
     if wrong.size:
-        raise ParameterError(
-            name, wrong[0].item(), f"numbers from {low:g} to {high:g} {unit}".rstrip()
-        )
+        bound = f"numbers from {low:g} to {high:g} {unit}".rstrip()
+        raise ParameterError(name, wrong[0].item(), bound)
     return values
 
 
 def fitting(names: str, *shapes: tuple[int, ...]) -> None:
     """Check that arrays of these shapes can be combined, element by element."""
-    if len(set(shapes)) == 1:  # As most are; the general way takes five times as long.
-        return
     try:
         np.broadcast_shapes(*shapes)
     except ValueError as error:
@@ -110,21 +107,19 @@ def fitting(names: str, *shapes: tuple[int, ...]) -> None:
 
 
 def numbers(name: str, value: object, *tail: int, kind: type = float) -> NDArray[Any]:
-    """`value` as an array of floats, or of another `kind`, whose last axes have the lengths `tail`."""
+    """`value` as an array of a `kind` of numbers, whose last axes have the lengths `tail`."""
     try:
         array = np.asarray(value)
-    except ValueError:  # lists of different lengths
+    except ValueError:
+        # Lists of different lengths.
         array = np.array(None)
-    real = array.dtype.kind in ("iufc" if kind is complex else "iuf") and (
-        kind is not int or array.dtype.kind != "f"
-    )
-    if not real or (tail and array.shape[-len(tail) :] != tail):
-        shape = "".join(f", {length}" for length in tail)
-        raise ParameterError(
-            name,
-            value,
-            f"{'whole ' * (kind is int)}numbers" + f" of the shape (...{shape})" * bool(tail),
-        )
+
+    allowed = {int: "iu", float: "iuf", complex: "iufc"}[kind]
+    if array.dtype.kind not in allowed or (tail and array.shape[-len(tail) :] != tail):
+        bound = "whole numbers" if kind is int else "numbers"
+        if tail:
+            bound += f" of the shape (..., {', '.join(map(str, tail))})"
+        raise ParameterError(name, value, bound)
     return array.astype(kind, copy=False)
 
 
@@ -132,5 +127,6 @@ def number(value: object) -> float:
     """`value` as a float; nan if it is not a real number."""
     try:
         return float(value) if isinstance(value, Real) and not isinstance(value, bool) else math.nan
-    except OverflowError:  # an int too large for a double
+    except OverflowError:
+        # An int too large for a double.
         return math.inf

@@ -7,7 +7,6 @@ from importlib import import_module
 from importlib.util import find_spec
 from typing import Any
 
-from pymunk_dragon._signals import signals_held
 from pymunk_dragon.errors import MissingExtraError, OutputError
 
 # For each library: the feature that needs it, and the extra that installs it.
@@ -29,19 +28,17 @@ FEATURES = {
 
 
 def library(name: str) -> Any:
-    """A module of an extra by its name, as `library("scipy.interpolate")`, also to check that it is installed.
+    """A module of an extra by its name, as `library("scipy.interpolate")`.
 
-    What the module raises while it is imported is raised from here. Signals wait until it is
-    imported: the initialization of a module in C makes an `ImportError` of an interruption, and may
-    leave a part of the library that cannot be imported again.
+    What the module raises while it is imported is raised from here.
     """
     if not is_installed(name):
         raise missing_extra(name)
-    with signals_held():
-        try:
-            return import_module(name)
-        except OSError as error:  # As of matplotlib, which writes a list of fonts.
-            raise OutputError(f"the cache of {name}", error.strerror or str(error)) from error
+    try:
+        return import_module(name)
+    except OSError as error:
+        # Matplotlib writes a list of fonts.
+        raise OutputError(f"the cache of {name}", error.strerror or str(error)) from error
 
 
 def is_installed(name: str) -> bool:
@@ -55,4 +52,5 @@ def is_installed(name: str) -> bool:
 
 def missing_extra(name: str) -> MissingExtraError:
     """The error for a library that is not installed."""
-    return MissingExtraError(*(FEATURES.get(name) or FEATURES[name.partition(".")[0]]))
+    feature, extra = FEATURES.get(name) or FEATURES[name.partition(".")[0]]
+    return MissingExtraError(feature, extra)

@@ -1,15 +1,16 @@
-"""Writing files so that an interrupted program leaves the old file or none, and reading text and tables of numbers."""
+"""Files: an interrupted program leaves the old one or none; text and tables of numbers are read."""
 
 from __future__ import annotations
 
 import os
+import shutil
 import stat
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from tempfile import TemporaryFile, gettempdir
 from typing import TypeVar
 
-from pymunk_dragon._signals import signals_held
 from pymunk_dragon.errors import FileFormatError, OutputError, ParameterError
 
 # Bytes of a text file: 50,000 points with all their digits have 2.2 MB.
@@ -19,15 +20,21 @@ T = TypeVar("T")
 
 
 def check_destination(path: str | Path, endings: Iterable[str]) -> Path:
-    """`path`, if it has one of the endings and can be written, which is tried; a ParameterError if not.
+    """`path`, if it has one of the endings and can be written, which is tried.
 
     A device or a FIFO needs no ending if there is only one to choose from.
     """
     if not isinstance(path, str | Path):
         raise ParameterError("output", path, "a path")
-    destination, known = Path(path), list(endings)
-    with temporary_folder(destination):
+    destination = Path(path)
+    known = list(endings)
+    try:
+        TemporaryFile(dir=_folder_of(destination)).close()
         unnamed = len(known) == 1 and _is_stream(destination)
+    except (OSError, ValueError) as error:
+        bound = f"in a folder that can be written ({_reason(error)})"
+        raise ParameterError("output", str(destination), bound) from error
+
     if destination.is_dir():
         raise ParameterError("output", str(path), "a file, not a folder")
     if destination.suffix.lower() not in known and not unnamed:
@@ -37,32 +44,33 @@ def check_destination(path: str | Path, endings: Iterable[str]) -> Path:
 
 @contextmanager
 def written_in_place(path: str | Path) -> Iterator[Path]:
-    """Yield the name of a draft to write to, which replaces `path` at the end, or is removed after an exception.
+    """Yield the name of a draft, which replaces `path` at the end or is removed after an error.
 
     The file keeps its mode, and symbolic links to it stay. Devices and FIFOs are written to. An
-    OSError becomes an OutputError, but for those in `passed_on`.
+    OSError becomes an OutputError, except one in `passed_on`.
     """
     destination = Path(path)
+    # Named before it is made, so that an interruption at any point removes it.
+    folder = Path(_folder_of(destination), f".pymunk-dragon-{os.urandom(8).hex()}")
+    draft = folder / f"draft{destination.suffix}"
     try:
-        with temporary_folder(destination) as folder:
-            draft = folder / f"draft{destination.suffix}"
-            yield draft
-            if _is_stream(destination):
-                destination.write_bytes(draft.read_bytes())
-                return
+        # Nobody else can read the draft.
+        folder.mkdir(mode=0o700)
+        yield draft
+        if _is_stream(destination):
+            destination.write_bytes(draft.read_bytes())
+        else:
             with suppress(FileNotFoundError):
                 draft.chmod(stat.S_IMODE(destination.stat().st_mode))
             draft.replace(os.path.realpath(destination))
     except _PassedOn as passed:
-        raised = passed.error
+        raise passed.error from passed.error.__cause__
     except OutputError:
         raise
     except OSError as error:
         raise OutputError(destination, _reason(error)) from error
-    else:
-        return
-    # Not in the clause above, whose exception would be the context of this one.
-    raise raised
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
 
 
 class _PassedOn(BaseException):
@@ -74,7 +82,7 @@ class _PassedOn(BaseException):
 
 
 def passed_on(drawn: Iterator[T]) -> Iterator[T]:
-    """Yield what is drawn inside `written_in_place`, which raises errors of the drawing as they are.
+    """Yield what is drawn inside `written_in_place`, which raises errors of the drawing unchanged.
 
     Drawing calls functions of the user, whose errors are not those of the file.
     """
@@ -85,7 +93,7 @@ def passed_on(drawn: Iterator[T]) -> Iterator[T]:
 
 
 def read_text(path: str | Path, name: str, limit: int = _MAX_TEXT) -> str:
-    """Text of the UTF-8 file of at most `limit` bytes that the parameter `name` gives, without a byte order mark."""
+    """Text of the UTF-8 file of at most `limit` bytes that the parameter `name` gives."""
     try:
         with Path(path).open("rb") as file:
             # Not the size of the file: devices have none, and may be endless.
@@ -110,15 +118,16 @@ def number_rows(
     """
     meant = " and ".join(columns)
     rows: dict[int, tuple[float, ...]] = {}
+
     for line, content in enumerate(read_text(path, name).splitlines(), start=1):
         cells = [cell.strip(' \t"') for cell in content.split(",")]
         row = tuple(_numbers(cells))
         if any(cells) and (row or line > 1):
             if not len(row) == len(cells) == len(columns):
-                raise FileFormatError(
-                    path, f"line {line} must hold {meant}, not {content.strip()[:40]!r}"
-                )
+                shown = content.strip()[:40]
+                raise FileFormatError(path, f"line {line} must hold {meant}, not {shown!r}")
             rows[line] = row
+
     if not rows:
         raise FileFormatError(path, f"no line holds {meant}")
     return list(rows), list(rows.values())
@@ -131,37 +140,19 @@ def _numbers(cells: Iterable[str]) -> Iterator[float]:
             yield float(cell)
 
 
+def _folder_of(destination: Path) -> str:
+    """The folder in which a file is replaced; that of temporary files for a device or a FIFO."""
+    if _is_stream(destination):
+        return gettempdir()
+    return os.path.dirname(os.path.realpath(destination))
+
+
 def _is_stream(path: Path) -> bool:
     """Whether a file is written to instead of replaced: a device or a FIFO."""
     try:
         return not stat.S_ISREG(path.stat().st_mode)
     except FileNotFoundError:
         return False
-
-
-@contextmanager
-def temporary_folder(destination: Path | None = None) -> Iterator[Path]:
-    """A new folder beside a file that is to be replaced, or anywhere; signals wait while it is made and removed."""
-    from tempfile import TemporaryDirectory
-
-    is_held = True
-    with signals_held(lambda: is_held) as release:
-        try:
-            is_replaced = destination is not None and not _is_stream(destination)
-            beside = os.path.dirname(os.path.realpath(str(destination))) if is_replaced else None
-            folder = TemporaryDirectory(prefix=".pymunk-dragon-", dir=beside)
-        except (OSError, ValueError) as error:
-            if destination is None:
-                raise OutputError("a temporary folder", _reason(error)) from error
-            bound = f"in a folder that can be written ({_reason(error)})"
-            raise ParameterError("output", str(destination), bound) from error
-        try:
-            is_held = False
-            release()
-            yield Path(folder.name)
-        finally:
-            is_held = True
-            folder.cleanup()
 
 
 def _reason(error: Exception) -> str:

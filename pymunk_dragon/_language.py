@@ -1,4 +1,4 @@
-"""The language of pictures, pages and printed output: English, and translations in files `zh.toml` of the packages.
+"""The language of pictures, pages and printed output: English, or a translation.
 
 A text stands in the code in English, as `text("time (s)")`. A package's `zh.toml` has a table
 `texts` from English to Chinese. A text without a translation is shown in English; `make lint` lists
@@ -19,6 +19,7 @@ from pymunk_dragon.errors import ParameterError
 
 LANGUAGES = ("en", "zh")
 _language: ContextVar[str] = ContextVar("language", default="en")
+
 # The present language.
 language = _language.get
 

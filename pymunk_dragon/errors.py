@@ -12,9 +12,10 @@ _SHORT.maxother = 80
 def one_line(text: str) -> str:
     """`text` with single spaces, and escape sequences for control characters."""
     words = " ".join(text.split())
-    return "".join(
+    escaped = [
         each if each.isprintable() else each.encode("unicode_escape").decode() for each in words
-    )
+    ]
+    return "".join(escaped)
 
 
 class DragonError(Exception):
@@ -38,23 +39,26 @@ class ParameterError(DragonError, ValueError):
 
     def __init__(self, name: str, value: object, bound: str) -> None:
         super().__init__(name, value, bound)
-        self.name, self.value, self.bound = name, value, bound
+        self.name = name
+        self.value = value
+        self.bound = bound
 
     def __str__(self) -> str:
-        # Also of a value whose own text cannot be made, as of an integer of 5000 digits.
-        return one_line(
-            f"{self.name} is {_SHORT.repr_instance(self.value, 1)}, but must be {self.bound}"
-        )
+        # `repr` itself fails for an integer of 5000 digits.
+        shown = _SHORT.repr_instance(self.value, 1)
+        return one_line(f"{self.name} is {shown}, but must be {self.bound}")
 
 
 class UnreachableError(DragonError):
-    """At a `time` in s a `handle`, the first such one, has no position on the curve, for a `reason`."""
+    """At a `time`, s, `handle` is the first without a position on the curve, for a `reason`."""
 
     _form = "handle {1} has no position at t = {0:.6g} s: {2}"
 
     def __init__(self, time: float, handle: int, reason: str) -> None:
         super().__init__(time, handle, reason)
-        self.time, self.handle, self.reason = time, handle, reason
+        self.time = time
+        self.handle = handle
+        self.reason = reason
 
 
 class FileFormatError(DragonError, ValueError):
@@ -70,6 +74,6 @@ class OutputError(DragonError, OSError):
 
 
 class MissingExtraError(DragonError, ImportError):
-    """A feature needs a library that is not installed, of some optional dependencies of the package."""
+    """A feature needs a library that is not installed, of an extra of the package."""
 
     _form = "{0} needs: pip install 'pymunk-dragon[{1}]'"

@@ -32,7 +32,6 @@ import click
 from click.shell_completion import shell_complete
 
 from pymunk_dragon import __version__, errors
-from pymunk_dragon._signals import interruption_of
 from pymunk_dragon.cli.options import PROGRAM, epilog_of
 
 # The commands, in the order in which one uses them.
@@ -111,7 +110,9 @@ def status(arguments: list[str] | None = None) -> int:
         return _run(sys.argv[1:] if arguments is None else arguments)
     except click.ClickException as error:
         return _print_error(error.format_message(), _BAD_INPUT)
-    except (errors.DragonError, KeyboardInterrupt) as error:
+    except KeyboardInterrupt as error:
+        return _print_error("interrupted", _INTERRUPTED, error)
+    except errors.DragonError as error:
         return _print_error(
             str(error), _BAD_INPUT if isinstance(error, _INPUT_ERRORS) else _FAILED, error
         )
@@ -163,8 +164,6 @@ def _drop_output() -> int:
 
 def _print_error(message: str, code: int, error: BaseException | None = None) -> int:
     """Print a message and the notes of an error in one line, and return the exit code."""
-    if interruption_of(error):
-        message, code = "interrupted", _INTERRUPTED
     with suppress(OSError):
         click.echo(
             f"{PROGRAM}: {errors.one_line('; '.join([message, *getattr(error, '__notes__', ())]))}",

@@ -1,4 +1,4 @@
-"""The Pymunk engine: bodies, shapes and joints, path constraints, collision callbacks and the stepping loop.
+"""The Pymunk engine: bodies, joints, path constraints, collision callbacks and stepping loop.
 
 `simulate` plays a march in Pymunk. Each bench is a rigid body with the shape of the bench, and a
 `PivotJoint` at each hole chains it to the next one. The head is moved along its path; the dancers
@@ -33,7 +33,7 @@ fast as real time, and the driver takes 0.68 of the time of the bare steps on to
 Drift and error of the contact time by substep and iterations, from 400 s on
 (`python tests/bench/bench.py drift`; `--substep` and `--iterations` choose others):
 
-| substep | iterations | drift of the first twelve, µm | of any, µm | error of the contact time, ms |
+| substep | iterations | drift of the first 12, µm | of any, µm | error of the contact time, ms |
 | --- | --- | --- | --- | --- |
 | 1/25 s | 10 | 8.06 | 80.89 | +0.027 |
 | 1/50 s | 10 (default) | 3.00 | 27.91 | +0.013 |
@@ -77,9 +77,9 @@ With `--contacts resolve` the run goes on after the first contact. The head is t
 path by a motor of finite force (`--head-force`, in N), the march waits for a head that cannot
 follow it, and the dancers brake with it, so the dragon comes to rest where it hit itself. The
 default force is twice the ground drag on the head. From the first contact to 10 s after it
-(`python tests/bench/bench.py pile-up`):
+(`python tests/bench/bench.py pile-up`), with the largest distance of any bench in the last 5 s:
 
-| substep | force, N | largest joint gap, mm | deepest overlap, mm | distance of any bench in the last 5 s, mm |
+| substep | force, N | largest joint gap, mm | deepest overlap, mm | last 5 s, mm |
 | --- | --- | --- | --- | --- |
 | 1/100 s | 471 | 0.087 | 0.493 | 1.33 |
 | 1/200 s (default) | 471 (default) | 0.032 | 0.180 | 0.43 |

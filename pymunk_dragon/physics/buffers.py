@@ -11,8 +11,8 @@ from pymunk.batch import BodyFields
 
 from pymunk_dragon._arrays import Array
 
-# Fields of all bodies that are read after a step or written before it; combined here, as that takes
-# microseconds.
+# Fields of all bodies that are read after a step or written before it. They are combined here, as
+# that takes microseconds.
 _POSES = BodyFields.POSITION | BodyFields.ANGLE
 _VELOCITIES = BodyFields.VELOCITY | BodyFields.ANGULAR_VELOCITY
 _POSES_AND_FORCES = _POSES | BodyFields.FORCE | BodyFields.TORQUE
@@ -81,7 +81,10 @@ class Buffers:
         return self._read(_VELOCITIES)
 
     def _read(self, fields: BodyFields) -> Array:
-        """Three fields of the benches; more are read separately, as NumPy is slow on parts of rows."""
+        """Three fields (N, 3) of the benches.
+
+        More fields are read separately, as NumPy is slow on parts of rows.
+        """
         self._inbox.clear()
         batch.get_space_bodies(self._space, fields, self._inbox)
         values = np.frombuffer(self._inbox.float_buf(), count=3 * self._benches)
@@ -97,5 +100,6 @@ def _check_order(space: pymunk.Space, bodies: Sequence[pymunk.Body]) -> None:
     """Raise an error if `pymunk.batch` has other rows than those of `bodies`."""
     ids = batch.Buffer()
     batch.get_space_bodies(space, BodyFields.BODY_ID, ids)
-    if list(memoryview(ids.int_buf()).cast("P")) != [body.id for body in bodies]:
+    listed = memoryview(ids.int_buf()).cast("P").tolist()
+    if listed != [body.id for body in bodies]:
         raise RuntimeError("pymunk.batch lists the bodies in another order than they were added")

@@ -22,6 +22,7 @@ _Vector = tuple[float, float]
 
 # Exceptions in callbacks of the present thread, while they are collected.
 _CAUGHT = threading.local()
+
 # The hook that was there before.
 _BEFORE = [sys.__unraisablehook__]
 
@@ -34,8 +35,10 @@ def callbacks_raise() -> Iterator[None]:
     """
     if sys.unraisablehook is not _collect:
         # The hook stays, as other threads may be in this context too.
-        _BEFORE[0], sys.unraisablehook = sys.unraisablehook, _collect
-    errors = _CAUGHT.errors = []
+        _BEFORE[0] = sys.unraisablehook
+        sys.unraisablehook = _collect
+    errors: list[BaseException] = []
+    _CAUGHT.errors = errors
     try:
         yield
         if errors:
@@ -66,15 +69,15 @@ class Recorder:
         self, world: World, on_event: Callable[[ContactEvent], None] | None = None
     ) -> None:
         self.events: list[ContactEvent] = []
-        # Contacts that began in the last step, as at its end.
+        # Contacts that began in the last step, with the values at its end.
         self.begun: list[Contact] = []
-        # Whether a step is being made: a signal's handler must not run then, because it could raise
-        # an exception in C.
+        # Whether a step is being made.
         self.in_engine = False
-        self._world, self._on_event, self._time = world, on_event, world.start
-        self._benches: dict[pymunk.Shape, tuple[int, pymunk.Body]] = {
-            shape: (bench, body)
-            for bench, (shape, body) in enumerate(zip(world.shapes, world.bodies, strict=True))
+        self._world = world
+        self._on_event = on_event
+        self._time = world.start
+        self._benches: dict[pymunk.Shape, int] = {
+            shape: bench for bench, shape in enumerate(world.shapes)
         }
         self._narrowest = float(world.march.dragon.widths.min())
         # Pairs whose contact has begun and not ended.
@@ -85,8 +88,9 @@ class Recorder:
         world.space.on_collision(**callbacks)
 
     def step(self, time: float) -> float:
-        """Make a step of the world that ends at `time`; returns the seconds that the engine took."""
-        self._time, before = time, len(self.events)
+        """Make a step of the world that ends at `time`; returns the seconds of the engine."""
+        self._time = time
+        before = len(self.events)
         self.begun.clear()
         begin = perf_counter()
         self.in_engine = True
@@ -96,6 +100,7 @@ class Recorder:
         finally:
             self.in_engine = False
         seconds = perf_counter() - begin
+
         if self._on_event is not None:
             for event in self.events[before:]:
                 self._on_event(event)
@@ -107,46 +112,60 @@ class Recorder:
             self._log(phase, arbiter)
 
     def _log(self, phase: Phase, arbiter: pymunk.Arbiter) -> None:
-        (first, first_body), (second, second_body) = (
-            self._benches[shape] for shape in arbiter.shapes
-        )
+        first, second = (self._benches[shape] for shape in arbiter.shapes)
         swapped = first > second
         benches = (second, first) if swapped else (first, second)
         known = benches in self._touching
+
         if phase == "separate":
+            # The end of a false contact is no event.
             self._touching.discard(benches)
             self._earlier.pop(benches, None)
             if known:
                 self.events.append(ContactEvent(time=self._time, phase=phase, benches=benches))
             return
+
         points, normal, depth = _manifold(arbiter.contact_point_set, swapped)
         false = (not known or depth > self._narrowest) and _apart(arbiter.shapes)
         if phase != "post_solve":
             arbiter.process_collision = not (false or self._world.settings.contacts == "report")
         if false:
             return
+
+        impulse = None
         if phase == "pre_solve":
             self._earlier[benches] = arbiter.total_impulse
-        middle = sum(x for x, _ in points) / len(points), sum(y for _, y in points) / len(points)
-        relative = second_body.velocity_at_world_point(middle) - first_body.velocity_at_world_point(
-            middle
+        elif phase == "post_solve":
+            impulse = self._impulse(arbiter, benches, swapped)
+
+        x = sum(point[0] for point in points) / len(points)
+        y = sum(point[1] for point in points) / len(points)
+        of_first, of_second = (
+            self._world.bodies[bench].velocity_at_world_point((x, y)) for bench in (first, second)
         )
-        common: dict[str, Any] = {
-            "time": self._time,
-            "benches": benches,
-            "normal": normal,
-            "depth": depth,
-        }
         event = ContactEvent(
+            time=self._time,
             phase=phase,
+            benches=benches,
             points=points,
-            relative_velocity=_signed(relative, swapped),
-            impulse=self._impulse(arbiter, benches, swapped) if phase == "post_solve" else None,
-            **common,
+            normal=normal,
+            depth=depth,
+            relative_velocity=_signed(of_second - of_first, swapped),
+            impulse=impulse,
         )
+
         if not known:
+            # A contact that was false when it began may become true in any phase.
             self._touching.add(benches)
-            self.begun.append(Contact(raw_time=self._time, point=points[0], **common))
+            contact = Contact(
+                time=self._time,
+                raw_time=self._time,
+                benches=benches,
+                point=points[0],
+                normal=normal,
+                depth=depth,
+            )
+            self.begun.append(contact)
             if phase != "begin":
                 self.events.append(replace(event, phase="begin"))
         self.events.append(event)
@@ -160,22 +179,24 @@ class Recorder:
 def _manifold(
     contact: pymunk.ContactPointSet, swapped: bool
 ) -> tuple[tuple[_Vector, ...], _Vector, float]:
-    """Contact points (m, the deepest first), normal from the lower to the higher bench, and depth (m)."""
+    """Contact points, the deepest first, normal from the lower to the higher bench, and depth."""
     ordered = sorted(contact.points, key=lambda point: point.distance)
-    middles = [(point.point_a + point.point_b) / 2 for point in ordered]
-    points = tuple((float(middle.x), float(middle.y)) for middle in middles)
-    return points, _signed(contact.normal, swapped), float(-ordered[0].distance)
+    points = []
+    for point in ordered:
+        x, y = (point.point_a + point.point_b) / 2
+        points.append((x, y))
+    return tuple(points), _signed(contact.normal, swapped), -ordered[0].distance
 
 
 def _apart(shapes: Iterable[pymunk.Shape]) -> bool:
     """Whether two rectangles of a space are apart."""
-    first, second = (
-        # Pymunk types the body as optional, and corners as those of a polygon, which all shapes
-        # here are.
-        [shape.body.local_to_world(corner) for corner in shape.get_vertices()]  # type: ignore[union-attr]  # See above.
-        for shape in shapes
-    )
-    return bool(separation(first, second).distance > 0)
+    outlines = []
+    for shape in shapes:
+        # All shapes of a world are polygons with a body.
+        assert isinstance(shape, pymunk.Poly)
+        assert shape.body is not None
+        outlines.append([shape.body.local_to_world(corner) for corner in shape.get_vertices()])
+    return bool(separation(*outlines).distance > 0)
 
 
 def _signed(vector: pymunk.Vec2d, swapped: bool) -> _Vector:

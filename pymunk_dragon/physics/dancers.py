@@ -16,10 +16,13 @@ from pymunk_dragon.physics.guide import PathGuide
 
 # Speed at which dancers who come back carry a bench, over the head's top speed.
 _RETURN_SPEED = 4.0
+
 # Per metre marched: rate at which a bench that is carried approaches its exact position.
 _RETURN_RATE = 20.0
+
 # Widths of a bench: the position error at which it is back.
 _RETURNED = 0.1
+
 # Largest force of the guide on a bench once dancers have let go, over the ground drag on it at the
 # head's top speed, and largest torque over that of this force at 1 m. A bench that is off its path
 # would get forces without limit.
@@ -148,8 +151,9 @@ class Dancers:
         # A joint follows a moving target with a delay of this time, so its target is as far ahead:
         # otherwise it would brake the chain, whose tension would tear it apart when these joints
         # are removed.
-        ahead = substep / (1 - math.exp(-_RETURN_RATE * self._top_speed * substep))
-        targets = states.positions[0, first:] + ahead * share * states.velocities[0, first:]
+        delay = substep / (1 - math.exp(-_RETURN_RATE * self._top_speed * substep))
+        velocities = states.velocities[0, first:]
+        targets = states.positions[0, first:] + delay * share * velocities
         for pivot, (x, y) in zip(self._return_joints, targets.tolist(), strict=True):
             pivot.anchor_a = x, y
 
@@ -163,7 +167,7 @@ class Dancers:
         """Have the guide hold all benches again from the exact `states` on."""
         self._stop_carrying()
         self._guide.relocate(states)
-        assert self._released is not None  # As in `carry`.
+        assert self._released is not None  # Benches return only if some were free.
         for joint in chain.from_iterable(self.joints[self._released - 1 :]):
             joint.max_force = math.inf
         self._released = None

@@ -52,7 +52,8 @@ class PathGuide:
     ...         distance = np.hypot(poses[:, 0], poses[:, 1])
     ...         forces[:, :2] = 2000 * (5 / distance - 1)[:, None] * poses[:, :2]
     >>> march = March(Dragon(benches=8), Arc(centre=(0, 0), radius=5, begin_angle=0, sweep=6))
-    >>> [round(simulate(march, guide=guide, until=10).max_drift, 1) for guide in (Springs(), "none")]
+    >>> runs = [simulate(march, guide=guide, until=10) for guide in (Springs(), "none")]
+    >>> [round(run.max_drift, 1) for run in runs]
     [0.1, 6.4]
     """
 
@@ -76,7 +77,10 @@ class PathGuide:
         return ()
 
     def relocate(self, states: States) -> None:
-        """Take the exact `states` (one time) from which the run begins or goes on, after `attach`."""
+        """Take the exact `states`, of one time, from which the run begins or goes on.
+
+        Called after `attach`.
+        """
 
     def update(self, poses: Array, hinge_velocity: Array, anchors: Array, forces: Array) -> None:
         """Write the anchors' positions and the forces for the next step; called before each.

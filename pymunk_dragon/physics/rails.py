@@ -12,8 +12,8 @@ from pymunk_dragon._arrays import Array, Complex, as_vectors
 from pymunk_dragon.model.march import States
 from pymunk_dragon.physics.guide import GuidedWorld, PathGuide
 
-# m, from a hole to the point that its rail is pinned to. Any length does; one metre needs no
-# scaling of the normal.
+# m: distance from a hole to the point that its rail is pinned to. Any length does; one metre needs
+# no scaling of the normal.
 _PIN_LENGTH = 1.0
 
 
@@ -44,12 +44,12 @@ class Rails(PathGuide):
 
     def relocate(self, states: States) -> None:
         """Take coordinates and speeds of the rear holes from `states`."""
-        # They only identify the turn of the curve on which each hole is. A jackknifed bench pushes
-        # its hole back.
+        # The coordinates only identify the turn of the curve on which each hole is. A jackknifed
+        # bench pushes its hole back.
         self._rear_s = states.handles_s[0, 2:]
         tangents = self._curve.tangent(self._rear_s)
         self._rear_speeds = np.sum(states.velocities[0, 2:] * tangents, axis=-1)
-        # That of the step before.
+        # Motion of the benches in the step before.
         self._last_motion: Array | None = None
 
     def joints(self, bench: int, body: pymunk.Body) -> Sequence[pymunk.Constraint]:
@@ -62,18 +62,22 @@ class Rails(PathGuide):
     def update(self, poses: Array, hinge_velocity: Array, anchors: Array, forces: Array) -> None:
         """Write the anchors beside the holes, and the dancers' forces and torques."""
         substep = self._world.substep
+
         headings = np.empty(len(self.anchors), dtype=complex)
         np.cos(poses[1:, 2], out=headings.real)
         np.sin(poses[1:, 2], out=headings.imag)
         holes = _complex(poses[1:, :2]) - headings * self._half
+
         expected = self._rear_s + self._rear_speeds * substep
         self._rear_s, feet, directions = self._curve.foot(as_vectors(holes), expected)
         tangents = _complex(directions)
         np.add(tangents * (_PIN_LENGTH * 1j), _complex(feet), out=_complex(anchors))
+
         motion = self._motion(complex(*hinge_velocity), headings, tangents)
         # What a bench gains, or loses to the drag, in this substep.
         last = motion if self._last_motion is None else self._last_motion
-        change = motion - last * math.exp(-self._world.drag_rate * substep)
+        kept = math.exp(-self._world.drag_rate * substep)
+        change = motion - last * kept
         push, torque = change * self._inertia / substep
         np.multiply(headings, push, out=_complex(forces[1:, :2]))
         forces[1:, 2] = torque
@@ -86,10 +90,11 @@ class Rails(PathGuide):
         the head's, and its rear hole moves along the path.
         """
         facing = headings.conj()
-        front, rear = np.empty_like(facing), tangents * facing
+        rear = tangents * facing
+        front = np.empty_like(facing)
         front[0] = hinge_velocity * facing[0]
         np.multiply(tangents[:-1], facing[1:], out=front[1:])
-        # As `velocity_ratios`, times the head's speed.
+        # The `velocity_ratios` of the chain, times the head's speed.
         self._rear_speeds = np.multiply.accumulate(front.real / rear.real)
         front[1:] *= self._rear_speeds[:-1]
         across = front.imag - self._rear_speeds * rear.imag
@@ -97,5 +102,5 @@ class Rails(PathGuide):
 
 
 def _complex(vectors: Array) -> Complex:
-    """Vectors (N, 2) as complex numbers (N,) in the same memory, for one call of NumPy instead of two."""
+    """Vectors (N, 2) as complex numbers (N,) in the same memory."""
     return vectors.view(complex)[:, 0]

@@ -20,8 +20,9 @@ from pymunk_dragon.errors import ParameterError
 
 # Impulse in the row of a contact point that has no arrow: that of its pair is in another row.
 NO_ARROW = -1.0
+
 # Joints whose impulses are torques times the length of a step; those of all others are forces times
-# it.
+# the length.
 _ROTARY = (
     pymunk.DampedRotarySpring,
     pymunk.GearJoint,
@@ -29,8 +30,10 @@ _ROTARY = (
     pymunk.RotaryLimitJoint,
     pymunk.SimpleMotor,
 )
+
 # Joints whose impulses the solver does not take over from the step before, and which have a sign.
 _SPRINGS = pymunk.DampedSpring, pymunk.DampedRotarySpring
+
 # What is read of each pair in contact: two vectors, four points, and four whole numbers.
 _VECTORS = ArbiterFields.TOTAL_IMPULSE | ArbiterFields.NORMAL
 _POINTS = (
@@ -42,10 +45,13 @@ _POINTS = (
 _BODIES = ArbiterFields.BODY_A_ID | ArbiterFields.BODY_B_ID
 _FLAGS = ArbiterFields.IS_FIRST_CONTACT | ArbiterFields.CONTACT_COUNT
 _PAIR = _VECTORS | _POINTS | _BODIES | _FLAGS
-# What is kept of it after a step.
+
+# What is kept of a pair after a step.
 _EARLIER = ArbiterFields.TOTAL_IMPULSE | _BODIES | _FLAGS
+
 # Pairs of shapes between the same two bodies that are told apart.
 _MOST_PAIRS = 1024
+
 # Quantities of any space by their titles in charts, and the kinds of their units.
 QUANTITIES = {
     "Kinetic energy": "energy",
@@ -55,7 +61,7 @@ QUANTITIES = {
 
 
 def units(length: str) -> dict[str, str]:
-    """Units of forces, torques, impulses and energies of a space whose lengths are in a unit, and masses in kg."""
+    """Units of forces, torques, impulses and energies, of a space with a unit of length and kg."""
     if length == "m":
         return {"force": "N", "torque": "N m", "impulse": "N s", "energy": "J"}
     energy = f"kg {length}²/s²"
@@ -72,7 +78,8 @@ class Readings:
 
     def __init__(self, space: pymunk.Space) -> None:
         self._space = space
-        self._forces, self._contacts = JointForces(space), Contacts(space)
+        self._forces = JointForces(space)
+        self._contacts = Contacts(space)
         # Kept, as Pymunk never frees the memory of a buffer.
         self._buffer = batch.Buffer()
 
@@ -122,36 +129,41 @@ class JointForces:
         self._missing: dict[pymunk.Constraint, float] = {}
 
     def before_step(self, length: float) -> None:
-        """Read what the next step, which takes `length` s, overwrites; a step of 0 s does nothing in Pymunk."""
-        before, self._length = self._space.current_time_step, length
+        """Read what the next step, which takes `length` s, overwrites.
+
+        A step of 0 s does nothing in Pymunk.
+        """
+        before = self._space.current_time_step
+        self._length = length
         if length in (0.0, before):
             # The impulses of a joint that sleeps are still those of an earlier step.
-            self._missing = {
-                joint: missing for joint, missing in self._missing.items() if _sleeps(joint)
-            }
+            for joint in list(self._missing):
+                if not _sleeps(joint):
+                    del self._missing[joint]
         else:
             ratio = length / before if before else 0.0
             joints = self._space.constraints
             self._missing = {joint: self._missing_after(joint, ratio) for joint in joints}
 
     def _missing_after(self, joint: pymunk.Constraint, ratio: float) -> float:
-        """What the impulse of a joint lacks after a step that is `ratio` times as long as the one before."""
+        """What the impulse of a joint lacks after a step with a `ratio` to the length before."""
         impulse = joint.impulse
         if _sleeps(joint):
             return ratio * (impulse + self._missing.get(joint, 0.0)) - impulse
         return 0.0 if isinstance(joint, _SPRINGS) else (ratio - 1) * impulse
 
     def sizes(self, joints: Sequence[pymunk.Constraint]) -> Array:
-        """Sizes (J,) of forces, or of torques of joints that are `rotary`, in the last step; nan if it took 0 s."""
-        return np.abs([self._impulse(joint) for joint in joints]) / (self._length or math.nan)
+        """Forces (J,), or torques of rotary joints, in the last step; nan if it took 0 s."""
+        impulses = [self._impulse(joint) for joint in joints]
+        return np.abs(impulses) / (self._length or math.nan)
 
     def _impulse(self, joint: pymunk.Constraint) -> float:
         """Impulse of a joint in the last step."""
         missing = self._missing.get(joint, 0.0)
-        # A joint that is within its limits begins with an impulse of 0.
-        return (
-            0.0 if missing and joint.impulse == 0 and _is_loose(joint) else joint.impulse + missing
-        )
+        if missing and joint.impulse == 0 and _is_loose(joint):
+            # A joint that is within its limits begins with an impulse of 0.
+            return 0.0
+        return joint.impulse + missing
 
     def rows(self, joints: Sequence[pymunk.Constraint]) -> Array:
         """Rows (J, 6) of the two ends of joints, of the sizes, and of 1 where that is a torque."""
@@ -179,23 +191,26 @@ def _is_loose(joint: pymunk.Constraint) -> bool:
 
 def _ends(joints: Sequence[pymunk.Constraint]) -> Array:
     """Rows (J, 4) of the two ends of joints."""
-    return np.array([(*_end(joint, "a"), *_end(joint, "b")) for joint in joints]).reshape(-1, 4)
+    rows = [(*_end(joint, "a"), *_end(joint, "b")) for joint in joints]
+    return np.array(rows).reshape(-1, 4)
 
 
 def _end(joint: pymunk.Constraint, side: str) -> pymunk.Vec2d:
     """End of a joint on body "a" or "b" in the world: an anchor, or the position of the body."""
     body: pymunk.Body = getattr(joint, side)
-    return body.local_to_world(
-        getattr(joint, f"anchor_{side}", getattr(joint, f"groove_{side}", (0.0, 0.0)))
-    )
+    for kind in ("anchor", "groove"):
+        if hasattr(joint, f"{kind}_{side}"):
+            return body.local_to_world(getattr(joint, f"{kind}_{side}"))
+    return body.position
 
 
 def joint_at(
     joints: Sequence[pymunk.Constraint], x: float, y: float, slip: float
 ) -> pymunk.Constraint:
     """The joint whose line passes nearest to a point, if that is within `slip`."""
-    rows, point = _ends(joints), complex(x, y)
-    begin, along = as_complex(rows[:, :2]), as_complex(rows[:, 2:] - rows[:, :2])
+    point = complex(x, y)
+    begin, end = as_complex(_ends(joints).reshape(-1, 2, 2)).T
+    along = end - begin
     share = ((point - begin) / np.where(along == 0, 1, along)).real.clip(0, 1)
     distances = abs(begin + share * along - point)
     if not (distances <= slip).any():
@@ -240,16 +255,20 @@ class Contacts:
             self._before.popleft()
 
     def rows(self) -> Array:
-        """Rows (C, 5) of point, normal and impulse of all contact points; the first one of a pair has its impulse."""
+        """Rows (C, 5) of point, normal and impulse of all contact points.
+
+        The first point of a pair has the pair's impulse.
+        """
         pairs, flags = self._awake(*self._read(_PAIR))
         impulses = self._impulses(pairs, flags)
         normals = pairs[:, 2:4] * self._signs(flags)[:, None]
-        points = (pairs[:, 4:6] + pairs[:, 6:8]) / 2, (pairs[:, 8:10] + pairs[:, 10:12]) / 2
-        first = np.column_stack([points[0], normals, impulses])
-        second = np.column_stack([points[1], normals, np.full_like(impulses, NO_ARROW)])[
-            flags[:, 3] > 1
-        ]
-        return np.vstack([first, second])
+        points = (pairs[:, 4:6] + pairs[:, 6:8]) / 2
+        first = np.column_stack([points, normals, impulses])
+
+        points = (pairs[:, 8:10] + pairs[:, 10:12]) / 2
+        second = np.column_stack([points, normals, np.full_like(impulses, NO_ARROW)])
+        has_second = flags[:, 3] > 1
+        return np.vstack([first, second[has_second]])
 
     def _read(self, fields: ArbiterFields) -> tuple[Array, Any]:
         """Numbers (P, K) and (P, 4) of all pairs that touch."""
@@ -258,25 +277,28 @@ class Contacts:
         # Whole numbers have the size of a pointer.
         flags = np.frombuffer(self._buffer.int_buf(), np.uintp).reshape(-1, 4)
         numbers = np.frombuffer(self._buffer.float_buf())
-        # Pymunk also lists pairs that touched before. A copy, as the memory is used again.
+        pairs = numbers.reshape(len(flags), -1 if len(flags) else 12)
+        # Pymunk also lists pairs that touched before. The choice copies the memory, which is used
+        # again.
         touching = flags[:, 3] > 0
-        return numbers.reshape(len(flags), -1 if len(flags) else 12)[touching], flags[touching]
+        return pairs[touching], flags[touching]
 
     def _awake(self, pairs: Array, flags: Any) -> tuple[Array, Any]:
         """Pairs without those that sleep, which Pymunk may list, and does not draw."""
-        if len(pairs) and math.isfinite(self._space.sleep_time_threshold):
-            asleep = [body.id for body in self._space.bodies if body.is_sleeping]
-            awake = ~np.isin(flags[:, :2], np.array(asleep, np.uintp)).any(axis=1)
-            return pairs[awake], flags[awake]
-        return pairs, flags
+        if math.isinf(self._space.sleep_time_threshold):
+            return pairs, flags
+        asleep = [body.id for body in self._space.bodies if body.is_sleeping]
+        awake = ~np.isin(flags[:, :2], np.array(asleep, np.uintp)).any(axis=1)
+        return pairs[awake], flags[awake]
 
     def _signs(self, flags: Any) -> Array:
         """1 for pairs (P,) whose first body is the older one, otherwise -1."""
         ages = {body.id: age for age, body in enumerate(self._space.bodies)}
-        first, second = (
-            [ages.get(number, -1) for number in flags[:, side].tolist()] for side in (0, 1)
-        )
-        return np.where(np.less_equal(first, second), 1.0, -1.0)
+        signs = [
+            1.0 if ages.get(first, -1) <= ages.get(second, -1) else -1.0
+            for first, second in flags[:, :2].tolist()
+        ]
+        return np.array(signs)
 
     def _impulses(self, pairs: Array, flags: Any) -> Array:
         """Sizes (P,) of the impulses of pairs in the last step."""
@@ -285,15 +307,15 @@ class Contacts:
         begins = flags[:, 2] > 0
         # A pair that begins to touch gets none of its earlier impulse.
         shares = np.where(begins, 0.0, self._ratio)
-        vectors, wanted = _vectors(pairs, flags), shares != 1
+        vectors = _vectors(pairs, flags)
+        wanted = shares != 1
         for earlier, earlier_flags in reversed(self._before):
             if not wanted.any():
                 break
             place, found = _matches(flags, earlier_flags)
             found &= wanted
-            vectors[found] += (shares[found, None] - 1) * _vectors(earlier, earlier_flags)[
-                place[found]
-            ]
+            before = _vectors(earlier, earlier_flags)[place[found]]
+            vectors[found] += (shares[found, None] - 1) * before
             # Pairs that go on are those of the step before.
             wanted &= begins & ~found
         return np.asarray(np.hypot(*vectors.T))
@@ -309,17 +331,21 @@ def _matches(flags: Any, earlier: Any) -> tuple[Any, Any]:
     """Where pairs (P,) are among earlier ones, and whether they are."""
     # Numbers of bodies are pointers, of which no two fit into one number.
     bodies = np.sort(np.append(flags[:, :2], earlier[:, :2]))
-    codes, known = _codes(flags, bodies), _codes(earlier, bodies)
+    codes = _codes(flags, bodies)
+    known = _codes(earlier, bodies)
     order = np.append(np.argsort(known), 0)
     place = order[np.searchsorted(known, codes, sorter=order[:-1])]
-    return place, np.append(known, np.nan)[place if len(known) else -1] == codes
+    nearest = np.append(known, np.nan)[place if len(known) else -1]
+    return place, nearest == codes
 
 
 def _codes(flags: Any, bodies: Any) -> Array:
-    """Numbers (P,) of pairs, by their two bodies, and among those of the same two, first for pairs that go on."""
-    places = np.searchsorted(bodies, flags[:, :2])
-    low, high = places.min(axis=1), places.max(axis=1)
-    # As floats, which have 53 bits on every platform.
+    """Numbers (P,) of pairs, by their two bodies.
+
+    Among pairs of the same two bodies, those that go on have the lower numbers.
+    """
+    low, high = np.sort(np.searchsorted(bodies, flags[:, :2])).T
+    # Floats have 53 bits on every platform.
     codes: Array = (low * float(len(bodies)) + high) * _MOST_PAIRS
     order = np.lexsort((flags[:, 2], codes))
     ranks = np.arange(len(order)) - np.searchsorted(codes[order], codes[order])
@@ -338,11 +364,14 @@ def impulse_of(arbiter: pymunk.Arbiter, before: pymunk.Vec2d, ratio: float) -> p
 
 
 def arbiter_rows(arbiter: pymunk.Arbiter, swapped: bool, impulse: float) -> list[tuple[float, ...]]:
-    """The rows of `Contacts` for a pair in a callback, whose second body is the older one if it is `swapped`."""
+    """The rows of `Contacts` for a pair in a callback, `swapped` if its second body is older."""
     contact = arbiter.contact_point_set
-    normal, impulses = contact.normal * (-1 if swapped else 1), (impulse, NO_ARROW)
-    points = zip(contact.points, impulses, strict=False)
-    return [(*((point.point_a + point.point_b) / 2), *normal, size) for point, size in points]
+    normal = contact.normal * (-1 if swapped else 1)
+    rows: list[tuple[float, ...]] = []
+    for point, size in zip(contact.points, (impulse, NO_ARROW), strict=False):
+        middle = (point.point_a + point.point_b) / 2
+        rows.append((*middle, *normal, size))
+    return rows
 
 
 class Touches:
@@ -361,7 +390,8 @@ class Touches:
 
     def begin(self) -> bool:
         """Whether a pair touches that did not touch at the last call, or when this was made."""
-        before, self._touching = self._touching, _touching(self._space)
+        before = self._touching
+        self._touching = _touching(self._space)
         return bool(self._touching - before)
 
 
@@ -370,6 +400,7 @@ def _touching(space: pymunk.Space) -> set[frozenset[pymunk.Shape]]:
     apart = {
         frozenset((joint.a, joint.b)) for joint in space.constraints if not joint.collide_bodies
     }
+
     found = set()
     for shape in space.shapes:
         body = shape.body
@@ -412,7 +443,8 @@ def body_at(
     point = pymunk.Vec2d(x, y)
     near = []
     for shape in reversed(shapes):
-        hold, body = grip(shape), shape.body
+        hold = grip(shape)
+        body = shape.body
         if hold == 0 or body is None:
             continue
         found = shape.point_query(point)
@@ -421,10 +453,11 @@ def body_at(
             # Pymunk (7.3.1) has NaN for a point on the edge of a polygon.
             nearest = found.point if distance > 0 else point
             near.append((-hold, distance, body, nearest))
+
     if not near:
         raise ParameterError("x, y", (x, y), "a point of a body that can be moved")
-    best = min(near, key=lambda each: each[:2])
-    return best[2], best[3]
+    _, _, taken, nearest = min(near, key=lambda each: each[:2])
+    return taken, nearest
 
 
 def energies(space: pymunk.Space) -> dict[str, float]:
@@ -443,8 +476,12 @@ def energies(space: pymunk.Space) -> dict[str, float]:
     kinetic = math.fsum(map(_kinetic_energy, moving))
     potential = -math.fsum(body.mass * centre_of_mass(body).dot(space.gravity) for body in dynamic)
     elastic = math.fsum(map(_elastic_energy, space.constraints))
-    momentum = sum((body.mass * body.velocity for body in moving), pymunk.Vec2d.zero()).length
-    return dict(zip(QUANTITIES, (kinetic, kinetic + potential + elastic, momentum), strict=True))
+
+    momentum = pymunk.Vec2d.zero()
+    for body in moving:
+        momentum += body.mass * body.velocity
+    values = kinetic, kinetic + potential + elastic, momentum.length
+    return dict(zip(QUANTITIES, values, strict=True))
 
 
 def centre_of_mass(body: pymunk.Body) -> pymunk.Vec2d:
@@ -460,18 +497,16 @@ def _kinetic_energy(body: pymunk.Body) -> float:
 
 def _elastic_energy(joint: pymunk.Constraint) -> float:
     """Energy that a joint stores; only springs do."""
-    if (
-        isinstance(joint, pymunk.DampedSpring)
-        and joint.force_func == pymunk.DampedSpring.spring_force
-    ):
-        offset = _end(joint, "a").get_distance(_end(joint, "b")) - joint.rest_length
-    elif (
-        isinstance(joint, pymunk.DampedRotarySpring)
-        and joint.torque_func == pymunk.DampedRotarySpring.spring_torque
-    ):
-        offset = joint.a.angle - joint.b.angle - joint.rest_angle
-    else:
+    match joint:
+        case pymunk.DampedSpring(force_func=pymunk.DampedSpring.spring_force):
+            offset = _end(joint, "a").get_distance(_end(joint, "b")) - joint.rest_length
+        case pymunk.DampedRotarySpring(torque_func=pymunk.DampedRotarySpring.spring_torque):
+            offset = joint.a.angle - joint.b.angle - joint.rest_angle
+        case _:
+            return 0.0
+    if joint.stiffness == 0:
         return 0.0
-    force = min(joint.stiffness * abs(offset), joint.max_force)
+
     # The force grows with the offset up to the largest one, and is constant from there on.
-    return force * abs(offset) - force**2 / (2 * joint.stiffness) if joint.stiffness else 0.0
+    force = min(joint.stiffness * abs(offset), joint.max_force)
+    return force * abs(offset) - force**2 / (2 * joint.stiffness)

@@ -12,7 +12,6 @@ import numpy as np
 
 from pymunk_dragon._arrays import Array, as_vectors
 from pymunk_dragon._checks import function
-from pymunk_dragon._signals import signals_held
 from pymunk_dragon.errors import DragonError, UnreachableError
 from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog
 from pymunk_dragon.model.dragon import pose_step
@@ -24,17 +23,21 @@ from pymunk_dragon.physics.guide import GUIDES, PathGuide
 from pymunk_dragon.physics.substep import Motion
 from pymunk_dragon.physics.world import World
 
-# Metres that the head travels between recorded frames; between them poses are interpolated to a
-# micrometre.
+# m: distance that the head travels between recorded frames. Between them poses are interpolated to
+# a micrometre.
 _FRAME_STRIDE = 0.1
-# Where contacts are resolved: the distance from its exact pose at which the head counts as blocked,
-# in widths (1 mm for the contest's benches).
+
+# Widths: where contacts are resolved, distance of the head from its exact pose at which it counts
+# as blocked. It is 1 mm for the contest's benches.
 _HEAD_LAG = 1 / 300
-# Share of its speed that the march then loses in a metre: at 1 m/s dancers brake at 20 m/s^2, with
-# at most 0.26 kN.
+
+# Per metre: share of its speed that a march with a blocked head loses. At 1 m/s dancers brake at
+# 20 m/s^2, with at most 0.26 kN.
 _BRAKING = 20.0
+
 # Substeps for which the head's exact poses are computed at once.
 _BLOCK = 2048
+
 # Share of a substep: a shorter one at the end is due to rounding and left out.
 _LAST_SUBSTEP = 1e-6
 
@@ -60,15 +63,19 @@ def simulate(
     march : March
         The motion to play. The engine takes the state at `start` and the head's poses from it, and
         nothing else.
-    settings, **changes : EngineSettings, optional
-        Settings of the engine, and other values of them, as in ``contacts="report"``.
+    settings : EngineSettings, optional
+        Settings of the engine.
+    **changes
+        Other values of settings, as in ``contacts="report"``.
     guide : {"rails", "none"} or PathGuide
         Whether dancers keep every hole on the curve, or the head only pulls; or a guide of your
         own.
-    start, until : float
-        Simulated times, s. The run ends with the first substep that reaches `until`. Without
-        `until`, and at the latest, it ends at the time `march.end`, also if contacts have held the
-        head up; on a curve that ends, with the last whole substep before its end.
+    start : float
+        Time at which the run begins, s.
+    until : float, optional
+        Time that the last substep reaches, s. At the latest, and by default, the run ends at the
+        time `march.end`, also if contacts have held the head up; on a curve that ends, with the
+        last whole substep before its end.
     on_event : callable, optional
         Called with each `ContactEvent`; what it raises is raised from here after the substep.
     progress : callable, optional
@@ -97,19 +104,21 @@ def simulate(
     """
     start, until = checked_times(march, start, until)
     world = World(march, guide, settings, start=start, until=until, **changes)
-    for name, given in (("on_event", on_event), ("progress", progress)):
-        if given is not None:
-            function(name, given)
+    if on_event is not None:
+        function("on_event", on_event)
+    if progress is not None:
+        function("progress", progress)
+
     loop = _Loop(world, Recorder(world, on_event))
     loop.play(until, progress)
-    times, poses, velocities, forces = (
-        np.array(values) for values in zip(*loop.frames, strict=True)
-    )
+
+    times, poses, velocities, forces = map(np.array, zip(*loop.frames, strict=True))
+    exact = as_vectors(march.motion_or_nan(times).points)
     return Run(
         march=march,
         times=times,
         poses=poses,
-        drift=position_errors(march.dragon, poses, as_vectors(march.motion_or_nan(times).points)),
+        drift=position_errors(march.dragon, poses, exact),
         pose_velocities=velocities,
         joint_forces=forces,
         events=ContactLog(tuple(loop.recorder.events)),
@@ -125,12 +134,14 @@ class _Loop:
     """Steps a world to the end of a run, and keeps the frames and the first contact."""
 
     def __init__(self, world: World, recorder: Recorder) -> None:
-        self._world, self.recorder = world, recorder
+        self._world = world
+        self.recorder = recorder
         self.frames: list[tuple[float, Array, Array, Array]] = []
         self.substeps = 0
         self.first_contact: Contact | None = None
         self.outcome: Outcome = "clear"
-        self.wall_seconds = self.step_seconds = 0.0
+        self.wall_seconds = 0.0
+        self.step_seconds = 0.0
         self._record(world.start, world.poses, world.velocities)
 
     @property
@@ -140,19 +151,20 @@ class _Loop:
 
     def play(self, until: float, progress: Callable[[float, float], None] | None) -> None:
         """Step until `until` s, the end of the march, or the first contact if it ends the run."""
-        world, settings = self._world, self._world.settings
+        world = self._world
+        settings = world.settings
         interval = settings.frame_interval or _FRAME_STRIDE / world.top_speed
         per_frame = max(1, round(interval / world.substep))
-        end = min(until, world.march.end)
-        total = max(1, math.ceil((end - world.start) / world.substep - _LAST_SUBSTEP))
+        duration = min(until, world.march.end) - world.start
+        total = max(1, math.ceil(duration / world.substep - _LAST_SUBSTEP))
         track = _waiting_head if settings.contacts == "resolve" else _exact_head
+
         begin = perf_counter()
         # A chain that flies apart is found by `_record`, in the next frame; until then NumPy need
         # not warn of it.
-        with np.errstate(all="ignore"), signals_held(lambda: self.recorder.in_engine) as release:
+        with np.errstate(all="ignore"):
             for _ in track(world, total):
                 self._step()
-                release()
                 if self.first_contact is not None and settings.contacts == "stop":
                     break
                 if self.substeps % per_frame == 0:
@@ -162,6 +174,7 @@ class _Loop:
             else:
                 self._record(self.time, world.poses, world.velocities)
                 self.outcome = "unreachable" if self._lost(until) else "clear"
+
         if self.first_contact is not None:
             self.outcome = "contact"
         self.wall_seconds = perf_counter() - begin
@@ -173,8 +186,10 @@ class _Loop:
 
     def _step(self) -> None:
         """Make a substep; the contact that ends the run becomes a frame."""
-        world, begin = self._world, self.time
-        before, velocities = world.poses, world.velocities
+        world = self._world
+        begin = self.time
+        before = world.poses
+        velocities = world.velocities
         self.substeps += 1
         self.step_seconds += self.recorder.step(self.time)
         world.read()
@@ -188,18 +203,19 @@ class _Loop:
         motion within it is taken from the `velocities` before the substep and from the change of
         the poses since `before`, on which the impact has no effect yet.
         """
-        world, substep = self._world, times[1] - times[0]
+        world = self._world
+        begin, end = times
+        substep = end - begin
         moved = pose_step(before, world.collided_poses)
         motion = Motion(before, substep * velocities, moved - substep * velocities)
-        begun = [
-            motion.refined(world.march.dragon, contact, times[0]) for contact in self.recorder.begun
-        ]
-        self.first_contact = min(begun, key=lambda contact: contact.time)
+
+        dragon = world.march.dragon
+        begun = [motion.refined(dragon, contact, begin) for contact in self.recorder.begun]
+        first = min(begun, key=lambda contact: contact.time)
+        self.first_contact = first
         if world.settings.contacts == "stop":
-            share = (self.first_contact.time - times[0]) / substep
-            self._record(
-                self.first_contact.time, motion.poses(share), motion.rates(share) / substep
-            )
+            share = (first.time - begin) / substep
+            self._record(first.time, motion.poses(share), motion.rates(share) / substep)
 
     def _record(self, time: float, poses: Array, velocities: Array) -> None:
         """Keep a frame, if it is not the last one again."""
@@ -212,16 +228,17 @@ class _Loop:
 
 
 def _waiting_head(world: World, total: int) -> Iterator[None]:
-    """Prepare up to `total` substeps, as far as the curve goes; the head waits where it cannot go on."""
+    """Prepare up to `total` substeps, as far as the curve goes; a blocked head waits."""
     while total > 0 and world.follow(_HEAD_LAG, _BRAKING):
         yield
         total -= 1
 
 
 def _exact_head(world: World, total: int) -> Iterator[None]:
-    """Prepare up to `total` substeps, as far as the curve goes, at whose ends the head has its exact states."""
+    """Prepare up to `total` substeps, as far as the curve goes; the head has its exact states."""
     for first in range(1, total + 1, _BLOCK):
-        times = world.start + np.arange(first, min(first + _BLOCK, total + 1)) * world.substep
+        numbers = np.arange(first, min(first + _BLOCK, total + 1))
+        times = world.start + numbers * world.substep
         try:
             states = world.march.at(times, handles=2)
         except UnreachableError as error:
@@ -234,7 +251,7 @@ def _exact_head(world: World, total: int) -> Iterator[None]:
 
 
 def _provenance(world: World, until: float, substeps: int) -> dict[str, Any]:
-    """The `provenance` of a run of a world to at most `until`, s."""
+    """Origin of a run of a world to at most `until`, s."""
     values = {
         "player": "pymunk",
         "guide": _guide_name(world.guide),
@@ -253,6 +270,7 @@ def _provenance(world: World, until: float, substeps: int) -> dict[str, Any]:
 
 def _guide_name(guide: PathGuide) -> str:
     """Name under which a guide is registered, otherwise that of its class."""
-    return next(
-        (name for name, kind in GUIDES.items() if kind is type(guide)), type(guide).__name__
-    )
+    for name, kind in GUIDES.items():
+        if kind is type(guide):
+            return name
+    return type(guide).__name__

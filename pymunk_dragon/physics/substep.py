@@ -17,6 +17,7 @@ from pymunk_dragon.model.dragon import Dragon, outlines
 # where the step becomes a third at once, they are wrong by 113 and 194 %. The slider of a page goes
 # from its middle to an end in 230 steps.
 _STEP_RATIO = 1.01
+
 # Halvings of a substep: a hundredth of a second becomes 1e-11 s, far below what the engine's poses
 # are worth.
 _BISECTIONS = 30
@@ -49,14 +50,14 @@ class Motion(NamedTuple):
         return self.before + share * (self.first + share * self.second)
 
     def rates(self, share: float) -> Array:
-        """Their rates of change by the share."""
+        """Rates of change of the poses by the share."""
         return self.first + 2 * share * self.second
 
     def refined(self, dragon: Dragon, contact: Contact, begin: float) -> Contact:
-        """A contact of the substep that begins at `begin` s, at the time when the benches began to touch.
+        """A contact of the substep that begins at `begin` s, when the benches began to touch.
 
-        That is the start of the substep if they touched there already, and its end if they touch
-        there by rounding.
+        The time is the start of the substep if they touched there already, and its end if they
+        touch there by rounding.
         """
         pair = list(contact.benches)
         sizes = dragon.lengths[pair], dragon.widths[pair]
@@ -69,6 +70,8 @@ class Motion(NamedTuple):
         if at_begin.distance > 0 and at_end.distance > 0:
             return contact
 
+        # Halve the interval between a share at which the benches are apart and one at which they
+        # touch; it is empty if they touch at the start.
         apart = 0.0
         touching, found = (0.0, at_begin) if at_begin.distance <= 0 else (1.0, at_end)
         for _ in range(_BISECTIONS):

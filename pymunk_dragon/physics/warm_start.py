@@ -17,6 +17,7 @@ _Joints = Sequence[tuple[pymunk.PivotJoint, Sequence[pymunk.PinJoint]]]
 
 # kg: the impulse of a joint changes the velocity of such a body by less than the rounding of 1 m/s.
 _HEAVY = 1e30
+
 # Added to the diagonal of the equations, in units of its largest number, as joints of a guide may
 # repeat each other.
 _REGULARISATION = 1e-14
@@ -25,7 +26,7 @@ _REGULARISATION = 1e-14
 def _balanced_impulses(
     joints: _Joints, poses: Array, velocities: Array, inverse_masses: Array
 ) -> list[Array]:
-    """Impulses that leave no relative velocity at the joints: x and y of each pivot's, one number for each pin, N s.
+    """Impulses that leave no relative velocity at the joints, N s: two at a pivot, one at a pin.
 
     `poses` (N, 3) and `velocities` (N, 3) without the joints are in m, m, rad and per s.
     `inverse_masses` (N, 3) are one over the mass, twice, and over the moment; zeros where the
@@ -33,21 +34,24 @@ def _balanced_impulses(
     the equations are block-tridiagonal, and elimination takes a time that grows with N; the
     solver's sweeps need a time that grows with the cube of N.
     """
-    diagonals, uppers, rights = [], [], []
+    diagonals = []
+    uppers = []
+    rights = []
+    # The relative velocities at the joints of a bench are `own` times its velocity, plus `front`
+    # times that of the bench before.
     own = np.zeros((0, 3))
     for bench, (pivot, pins) in enumerate(joints, start=1):
-        masses_before, masses = inverse_masses[bench - 1], inverse_masses[bench]
+        pose = poses[bench]
+        masses_before = inverse_masses[bench - 1]
         front = np.zeros((2 + len(pins), 3))
         front[:2] = -_anchor_rows(poses[bench - 1], pivot.anchor_a)
         uppers.append(own * masses_before @ front.T)
-        own = np.vstack(
-            [
-                _anchor_rows(poses[bench], pivot.anchor_b),
-                *(_pin_row(poses[bench], pin) for pin in pins),
-            ]
-        )
-        diagonal = own * masses @ own.T + front * masses_before @ front.T
-        diagonals.append(diagonal + _REGULARISATION * diagonal.max() * np.eye(len(diagonal)))
+
+        pin_rows = [_pin_row(pose, pin) for pin in pins]
+        own = np.vstack([_anchor_rows(pose, pivot.anchor_b), *pin_rows])
+        diagonal = own * inverse_masses[bench] @ own.T + front * masses_before @ front.T
+        regular = _REGULARISATION * diagonal.max() * np.eye(len(diagonal))
+        diagonals.append(diagonal + regular)
         rights.append(-(own @ velocities[bench] + front @ velocities[bench - 1]))
     return _solved(diagonals, uppers[1:], rights)
 
@@ -58,9 +62,11 @@ def _solved(diagonals: list[Array], uppers: list[Array], rights: list[Array]) ->
         factor = np.linalg.solve(diagonals[row], upper).T
         diagonals[row + 1] -= factor @ upper
         rights[row + 1] -= factor @ rights[row]
+
     found: list[Any] = [np.linalg.solve(diagonals[-1], rights[-1])]
-    for diagonal, upper, right in zip(diagonals[-2::-1], uppers[::-1], rights[-2::-1], strict=True):
-        found.append(np.linalg.solve(diagonal, right - upper @ found[-1]))
+    for row in reversed(range(len(uppers))):
+        right = rights[row] - uppers[row] @ found[-1]
+        found.append(np.linalg.solve(diagonals[row], right))
     return found[::-1]
 
 
@@ -71,10 +77,12 @@ def _anchor_rows(pose: Array, anchor: tuple[float, float]) -> Array:
 
 
 def _pin_row(pose: Array, pin: pymunk.PinJoint) -> Array:
-    """Rate (3,) at which a bench, the pin's first body, shortens the pin, by the bench's velocity, negated."""
+    """Rate (3,) at which a pin becomes longer, by the velocity of its first body, a bench."""
+    rows = _anchor_rows(pose, pin.anchor_a)
     arm = complex(*pin.anchor_a) * np.exp(1j * pose[2])
-    x, y = pin.b.position.x - pose[0] - arm.real, pin.b.position.y - pose[1] - arm.imag
-    return np.array([x, y]) / -math.hypot(x, y) @ _anchor_rows(pose, pin.anchor_a)
+    x = pin.b.position.x - pose[0] - arm.real
+    y = pin.b.position.y - pose[1] - arm.imag
+    return np.array([x, y]) / -math.hypot(x, y) @ rows
 
 
 def set_impulses(
@@ -85,7 +93,7 @@ def set_impulses(
     velocities: Array,
     inverse_masses: Array,
 ) -> None:
-    """Give the joints the impulses in balance, with which the solver begins the next step of `substep` s.
+    """Give the joints the impulses in balance, with which the solver begins the next `substep`, s.
 
     Pymunk has no setter for them, so a step is made in which each joint may have the size of its
     impulse at most, its bodies have a velocity of 1 m/s in the impulse's direction, and they are so
@@ -96,17 +104,24 @@ def set_impulses(
     dynamic = [body for body in space.bodies if body.body_type == pymunk.Body.DYNAMIC]
     masses = [(body, body.mass, body.moment) for body in dynamic]
     limits = [(joint, joint.max_force) for joint in space.constraints]
-    settings = space.iterations, space.damping
+    iterations = space.iterations
+    damping = space.damping
+
     for body in dynamic:
-        body.mass, body.moment = _HEAVY, math.inf
+        body.mass = _HEAVY
+        body.moment = math.inf
     for joint, _ in limits:
         joint.max_force = 0.0
     _pull(substep, joints, poses, impulses)
-    space.iterations, space.damping = 1, 1.0
+    space.iterations = 1
+    space.damping = 1.0
     space.step(substep)
-    space.iterations, space.damping = settings
+
+    space.iterations = iterations
+    space.damping = damping
     for body, mass, moment in masses:
-        body.mass, body.moment = mass, moment
+        body.mass = mass
+        body.moment = moment
     for joint, limit in limits:
         joint.max_force = limit
     for _, pins in joints:
@@ -115,7 +130,7 @@ def set_impulses(
 
 
 def _pull(substep: float, joints: _Joints, poses: Array, impulses: Sequence[Array]) -> None:
-    """Give the joints' bodies the velocities, and the joints the largest forces, that make these impulses."""
+    """Give the bodies the velocities, and the joints the largest forces, that make `impulses`."""
     velocity: Array = np.zeros(2)
     _place(joints[0][0].a, poses[0], velocity, substep)
     for (pivot, pins), pose, given in zip(joints, poses[1:], impulses, strict=True):
@@ -125,12 +140,13 @@ def _pull(substep: float, joints: _Joints, poses: Array, impulses: Sequence[Arra
         _place(pivot.b, pose, velocity, substep)
         for pin, impulse in zip(pins, given[2:], strict=True):
             pin.max_force = abs(impulse) / substep
-            pin.b.velocity = pymunk.Vec2d(
-                *(velocity + _pin_row(pose, pin)[:2] * math.copysign(1.0, impulse))
-            )
+            along = _pin_row(pose, pin)[:2] * math.copysign(1.0, impulse)
+            pin.b.velocity = pymunk.Vec2d(*(velocity + along))
 
 
 def _place(body: pymunk.Body, pose: Array, velocity: Array, substep: float) -> None:
     """Let a body arrive at a pose in the next step, without rotation."""
-    body.position, body.angle = pymunk.Vec2d(*(pose[:2] - substep * velocity)), pose[2]
-    body.velocity, body.angular_velocity = pymunk.Vec2d(*velocity), 0.0
+    body.position = pymunk.Vec2d(*(pose[:2] - substep * velocity))
+    body.angle = pose[2]
+    body.velocity = pymunk.Vec2d(*velocity)
+    body.angular_velocity = 0.0

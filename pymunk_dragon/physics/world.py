@@ -1,4 +1,4 @@
-"""The dragon as Pymunk bodies, shapes and joints, with a head that is kinematic or pulled by a motor."""
+"""The dragon as Pymunk bodies, shapes and joints; its head is kinematic or pulled by a motor."""
 
 from __future__ import annotations
 
@@ -24,67 +24,91 @@ from pymunk_dragon.physics.readings import JointForces
 from pymunk_dragon.physics.substep import next_length
 from pymunk_dragon.physics.warm_start import set_impulses
 
-# kg per square metre: planks of pine, 4 cm thick. It is the same for all benches, so it only scales
-# impulses.
+# kg/m^2: planks of pine, 4 cm thick. All benches have it, so it only scales impulses.
 _AREA_DENSITY = 20.0
-# Friction of wood on wood; it matters only where contacts are resolved.
+
+# Coefficient of friction of wood on wood; it matters only where contacts are resolved.
 _FRICTION = 0.4
 
-# 1/s: rate at which the time of a march that stands goes to where the head is.
-_RECOVERING = 5.0
+# 1/s: rate at which the time of a march that stands approaches the time of the head's position.
+_RECOVERY_RATE = 5.0
+
+# Ratio of the rates at which a march loses its speed and regains it.
+_BRAKING_RATIO = 10
+
 # Largest factor on the speed of the march; more is taken for a typing error.
 _MAX_SPEEDUP = 1e3
-# Per metre: largest share of the speed that a march loses in a metre; more is taken for a typing
-# error.
+
+# Per metre: largest share of its speed that a march loses; more is taken for a typing error.
 _MAX_BRAKING = 1e6
+
+# Sweeps of the solver in the warm start, per bench.
+_WARM_START_SWEEPS = 2
 
 
 def top_speed(march: March, start: float, until: float | None) -> float:
-    """Highest speed of the head between two times, s, or until it reaches the end of the curve, m/s."""
-    end = march.end
-    return march.speed_profile.fastest(start, max(start, end if until is None else min(until, end)))
+    """Highest speed of the head between two times, s, or until the end of the curve, m/s."""
+    end = march.end if until is None else min(until, march.end)
+    return march.speed_profile.fastest(start, max(start, end))
 
 
 class World:
-    """A Pymunk space with a dragon at `start` on its march; its state is read and written for all bodies at once.
+    """A Pymunk space with a dragon at `start` on its march.
 
-    Each step is `prepare` or `follow`, ``space.step(world.substep)``, `read`. Between two steps
-    settings may change, and where contacts are resolved, dancers may let go and come back, and
-    joints may be cut.
+    Its state is read and written for all bodies at once. Each step is `prepare` or `follow`,
+    ``space.step(world.substep)``, `read`. Between two steps settings may change, and where contacts
+    are resolved, dancers may let go and come back, and joints may be cut.
 
     Parameters
     ----------
     march : March
         The motion to play. Only its state at `start` is used here, later only the head's.
-    guide, settings, **changes
-        As in `simulate`. With contacts other than "resolve" the head is a kinematic body, which has
-        its exact poses whatever it touches; otherwise a motor pulls it towards them.
-    start, until : float
-        Times of the first state and of the last step, s, by default at the end of the curve. The
-        rates of drag and joint correction are proportional to the highest speed of the head between
-        them.
+    guide : {"rails", "none"} or PathGuide
+        Whether dancers keep every hole on the curve, or the head only pulls; or a guide of your
+        own.
+    settings : EngineSettings, optional
+        Settings of the engine. With contacts other than "resolve" the head is a kinematic body,
+        which has its exact poses whatever it touches; otherwise a motor pulls it towards them.
+    start : float
+        Time of the first state, s.
+    until : float, optional
+        Time of the last step, s, by default at the end of the curve. The rates of drag and joint
+        correction are proportional to the highest speed of the head from `start` to `until`.
+    **changes
+        Other values of settings, as in ``contacts="report"``.
 
     Attributes
     ----------
     settings : EngineSettings
         The settings with numbers where defaults depend on the march.
-    substep, drag_rate, top_speed : float
-        Length of the next step, s, rate at which the ground drag reduces velocities, 1/s, highest
-        speed of the head, m/s. After a change of its setting, the length of a step approaches the
-        new one by 1 % a step.
-    space, bodies, shapes, pivots
-        The space, and lists of the benches' bodies, shapes and pivots. Pivot i joins benches i and
-        i + 1.
-    masses, moments : ndarray, shape (N,)
-        Masses of the benches, kg, and their moments of inertia about their centres, kg m^2.
-    poses, velocities, collided_poses : ndarray, shape (N, 3)
-        State of the benches after the last step, and poses at which the space found contacts and
-        solved the joints in it: m, m, rad and per s.
-    time, share : float
-        Time, s, of a march that `follow` plays, and the share of its speed that it has.
+    substep : float
+        Length of the next step, s. After a change of its setting, it approaches the new one by 1 %
+        a step.
+    drag_rate : float
+        Rate at which the ground drag reduces velocities, 1/s.
+    top_speed : float
+        Highest speed of the head, m/s.
+    space : pymunk.Space
+        The space.
+    bodies, shapes : list
+        Body and shape of each bench.
+    pivots : list of pymunk.PivotJoint
+        Joints between the benches: pivot i joins benches i and i + 1.
+    masses : ndarray, shape (N,)
+        Masses of the benches, kg.
+    moments : ndarray, shape (N,)
+        Moments of inertia of the benches about their centres, kg m^2.
+    poses, velocities : ndarray, shape (N, 3)
+        State of the benches after the last step: m, m, rad and per s.
+    collided_poses : ndarray, shape (N, 3)
+        Poses at which the space found contacts and solved the joints in the last step.
+    time : float
+        Time of a march that `follow` plays, s.
+    share : float
+        Share of its speed that this march has.
     free_from : int or None
-        First bench that nothing holds on the path, as nothing holds those behind it: 1 with the
-        guide "none"; otherwise the first one whose dancers have let go. None if all are held.
+        First of the benches that nothing holds on the path: 1 with the guide "none"; otherwise the
+        first one whose dancers have let go. None if all are held.
 
     Examples
     --------
@@ -126,10 +150,7 @@ class World:
         dragon = march.dragon
         self.masses = _AREA_DENSITY * dragon.lengths * dragon.widths
         sizes = list(zip(dragon.lengths.tolist(), dragon.widths.tolist(), strict=True))
-        moments = [
-            pymunk.moment_for_box(mass, size) for mass, size in zip(self.masses, sizes, strict=True)
-        ]
-        self.moments = np.array(moments)
+        self.moments = np.array(list(map(pymunk.moment_for_box, self.masses, sizes)))
 
         self.space = pymunk.Space()
         # A contact is reported when the benches touch, not when they are a tenth of a metre deep.
@@ -170,12 +191,15 @@ class World:
         return self._forces.sizes(self.pivots)
 
     def change(self, **changes: Any) -> None:
-        """Change `substep`, `iterations` or `drag` of the settings from the next step on, `substep` gradually."""
+        """Change `substep`, gradually, `iterations` or `drag` from the next step on."""
         self._given = replace(self._given, **changes)
         self._apply_settings()
 
     def _apply_settings(self) -> None:
-        """Use the given settings from the next step on, with a head force for the drag that the head balances now."""
+        """Use the given settings from the next step on.
+
+        The default head force follows from the drag that the head balances now.
+        """
         pulled = self._dancers.pulled_mass()
         self.settings = self._given.resolved(top_speed=self.top_speed, pulled_mass=pulled)
         assert self.settings.substep is not None  # Set by `resolved`.
@@ -184,40 +208,43 @@ class World:
         self.space.iterations = self.settings.iterations
         self.drag_rate = self.settings.drag * self.top_speed
         self.space.damping = math.exp(-self.drag_rate)
-        # The motors turn the head with half its length times this force.
-        for motor, arm in zip(
-            self._motors, (1.0, float(self.march.dragon.lengths[0]) / 2), strict=False
-        ):
-            motor.max_force = arm * (self.settings.head_force or 0.0)
+        if self._motors:
+            pull, turn = self._motors
+            pull.max_force = self.settings.head_force or 0.0
+            # The torque is the force at half the length of the head.
+            turn.max_force = float(self.march.dragon.lengths[0]) / 2 * pull.max_force
 
     def _add_bodies(self) -> None:
-        """Add the bodies: the head is the control body itself, or has motors of finite force to it."""
-        pairs = zip(self.masses.tolist(), self.moments.tolist(), strict=True)
-        self.bodies = [pymunk.Body(mass, moment) for mass, moment in pairs]
+        """Add the bodies: the head is the control body, or has motors of finite force to it."""
+        self.bodies = list(map(pymunk.Body, self.masses.tolist(), self.moments.tolist()))
         # A kinematic body that has the exact poses of the head.
         self._control = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
         if self.settings.head_force is None:
             self.bodies[0] = self._control
             self.space.add(*self.bodies)
         else:
+            head = self.bodies[0]
             self.space.add(*self.bodies, self._control)
-            self._motors = (
-                pymunk.PivotJoint(self._control, self.bodies[0], (0.0, 0.0), (0.0, 0.0)),
-                pymunk.GearJoint(self._control, self.bodies[0], 0.0, 1.0),
-            )
+            pull = pymunk.PivotJoint(self._control, head, (0.0, 0.0), (0.0, 0.0))
+            turn = pymunk.GearJoint(self._control, head, 0.0, 1.0)
+            self._motors = pull, turn
             self._apply_settings()
             self._add_joints(*self._motors)
 
     def _join(self) -> None:
-        """Add the pivots and the guide's joints, in the order for the solver that the package's docstring explains."""
+        """Add the pivots and the guide's joints; the package's docstring explains their order."""
         half = self.march.dragon.spacings / 2
         guiding = self._dancers.joints
         for bench, (before, body) in enumerate(pairwise(self.bodies), start=1):
-            pivot = pymunk.PivotJoint(before, body, (-half[bench - 1], 0.0), (half[bench], 0.0))
+            rear = (-half[bench - 1], 0.0)
+            front = (half[bench], 0.0)
+            pivot = pymunk.PivotJoint(before, body, rear, front)
             pivot.collide_bodies = False
             self.pivots.append(pivot)
-            guiding.append(self.guide.joints(bench, body))
-            _check_parts(self.guide, "joints", guiding[-1], pymunk.Constraint)
+
+            joints = self.guide.joints(bench, body)
+            _check_parts(self.guide, "joints", joints, pymunk.Constraint)
+            guiding.append(joints)
 
         if self.settings.contacts == "resolve":
             pairs = zip(self.pivots, guiding, strict=True)
@@ -226,13 +253,16 @@ class World:
             self._add_joints(*self.pivots, *chain.from_iterable(guiding))
 
     def _add_joints(self, *joints: pymunk.Constraint) -> None:
-        """Add joints that correct errors at a rate per metre marched, as the drag: a faster march is the same march."""
+        """Add joints, which correct errors at a rate per metre marched.
+
+        The drag has such a rate too, so that a faster march has the same poses.
+        """
         for joint in joints:
             joint.error_bias **= self.top_speed
         self.space.add(*joints)
 
     def _add_shapes(self, sizes: list[tuple[float, float]]) -> None:
-        """Add the benches' rectangles, of which lengths and widths are given, m."""
+        """Add the benches' rectangles of given lengths and widths, m."""
         pairs = zip(self.bodies, sizes, strict=True)
         self.shapes = [pymunk.Poly.create_box(body, size) for body, size in pairs]
         for shape in self.shapes:
@@ -252,6 +282,7 @@ class World:
             # The head has its exact pose.
             correction[0] = 0.0
             self.poses = self.collided_poses + correction
+
         assert self.settings.substep is not None  # Set by `resolved`.
         self.substep = next_length(self.space.current_time_step, self.settings.substep)
 
@@ -272,23 +303,37 @@ class World:
     def follow(
         self, lag: float, braking: float, speed: float = 1.0, *, recovers: bool = False
     ) -> bool:
-        """Prepare a step of a march that waits while the head cannot follow; whether the curve goes on so far.
+        """Prepare a step of a march that waits while the head cannot follow.
 
-        Where the head is `lag` widths off, the march loses a share `braking` of its speed in a
-        metre at full speed, and regains it ten times more slowly. `speed` is a factor, and
-        `recovers` whether one that stands goes to the head.
+        Parameters
+        ----------
+        lag : float
+            Distance of the head from its exact pose at which it counts as blocked, widths.
+        braking : float
+            Share of its speed that the march then loses in a metre at full speed. It regains its
+            speed ten times more slowly.
+        speed : float
+            Factor on the speed.
+        recovers : bool
+            Whether the time of a march that stands approaches that of the head's position.
+
+        Returns
+        -------
+        bool
+            Whether the curve goes on so far.
         """
         lag = finite("lag", lag, 0.0, math.inf, "widths")
         braking = finite("braking", braking, 0.0, _MAX_BRAKING, "per metre")
         speed = finite("speed", speed, 0.0, _MAX_SPEEDUP, "")
         recovers = flag("recovers", recovers)
-        distance = (
-            self._control.position.get_distance(self.bodies[0].position)
-            / self.march.dragon.widths.min()
-        )
-        change = -braking if distance > lag else braking / 10
-        self.share = min(max(self.share + change * self.top_speed * self.substep, 0.0), 1.0)
+
+        head = self.bodies[0].position
+        distance = self._control.position.get_distance(head) / self.march.dragon.widths.min()
+        change = -braking if distance > lag else braking / _BRAKING_RATIO
+        changed = self.share + change * self.top_speed * self.substep
+        self.share = min(max(changed, 0.0), 1.0)
         share = self.share * speed
+
         goes_on = True
         try:
             states = self.march.at(self.time + share * self.substep, handles=2)
@@ -297,15 +342,15 @@ class World:
             states = self.march.at(self.time, handles=2)
             share = 0.0
             goes_on = False
+
         if share == 0 and recovers:
             # A motor alone would push a long chain back along its path for minutes.
             x, y, angle = states.poses[0, 0].tolist()
-            ahead = (self.bodies[0].position - (x, y)).dot(
-                pymunk.Vec2d.from_polar(1, angle)
-            ) / self.top_speed
-            self.time = min(
-                max(self.time + _RECOVERING * self.substep * ahead, self.start), self.march.end
-            )
+            forward = pymunk.Vec2d.from_polar(1, angle)
+            ahead = (head - (x, y)).dot(forward) / self.top_speed
+            recovered = self.time + _RECOVERY_RATE * self.substep * ahead
+            self.time = min(max(recovered, self.start), self.march.end)
+
         if self.returning:
             exact = self.march.at(self.time)
             if self._dancers.carry(exact, share, self.poses, self.substep):
@@ -314,7 +359,7 @@ class World:
         return goes_on
 
     def _send(self, coming: Array, states: States, row: int, share: float) -> None:
-        """Write the head's pose, and anchors and forces for benches that get the poses `coming`, to the spaces."""
+        """Write the head's pose, and anchors and forces for the poses `coming`, to the spaces."""
         buffers = self._buffers
         hinge_velocity = share * states.velocities[row, 1]
         self.guide.update(coming, hinge_velocity, buffers.anchors, buffers.forces)
@@ -335,10 +380,10 @@ class World:
         _set_velocities([self._control], head_velocity[None])
 
     def _warm_start(self, state: States) -> None:
-        """Set the benches to the exact `state` at the start, and the joints' impulses to those in balance there.
+        """Set the benches to the exact `state` at the start, and the joints' impulses to balance.
 
-        Sweeps of the solver then find the impulses of joints that are not pivots or pins, and those
-        of motors.
+        Sweeps of the solver then find the impulses of motors and of joints that are neither pivots
+        nor pins.
         """
         buffers = self._buffers
         poses = state.poses[0]
@@ -361,13 +406,17 @@ class World:
         free = before * kept + self.substep * buffers.forces / inertia
         free[0] = velocities[0]
         inertia[0] = np.inf
-        joints = list(zip(self.pivots, map(_pins, self._dancers.joints), strict=True))
+        pins = [
+            [joint for joint in joints if isinstance(joint, pymunk.PinJoint)]
+            for joints in self._dancers.joints
+        ]
+        joints = list(zip(self.pivots, pins, strict=True))
         set_impulses(self.space, self.substep, joints, poses, free, 1 / inertia)
 
         _set_velocities(self.bodies, before)
         self._write(velocities[0])
         iterations = self.space.iterations
-        self.space.iterations = 2 * len(self.bodies)
+        self.space.iterations = _WARM_START_SWEEPS * len(self.bodies)
         self.space.step(self.substep)
         self.space.iterations = iterations
 
@@ -393,14 +442,15 @@ class World:
         self._apply_settings()
 
     def hold(self) -> None:
-        """Have the dancers come back: they carry the free benches, over all others, to their exact positions."""
+        """Have the dancers carry the free benches, over all others, to their exact positions."""
         self._dancers.hold(self.bodies)
         self._apply_settings()
 
     def cut(self, joint: int) -> None:
-        """Cut the joint between the benches `joint` and `joint` + 1; dancers behind it no longer walk.
+        """Cut the joint between the benches `joint` and `joint` + 1.
 
-        The benches still pass over each other there: they overlap, and would be thrown apart.
+        Dancers behind it no longer walk. The two benches still pass over each other: they overlap,
+        and would be thrown apart.
         """
         joint = whole("joint", joint, 0, len(self.pivots) - 1)
         self._dancers.cut(joint, self.settings.drag)
@@ -411,11 +461,6 @@ def _set_velocities(bodies: Sequence[pymunk.Body], velocities: Array) -> None:
     for body, (vx, vy, spin) in zip(bodies, velocities.tolist(), strict=True):
         body.velocity = vx, vy
         body.angular_velocity = spin
-
-
-def _pins(joints: Sequence[pymunk.Constraint]) -> list[pymunk.PinJoint]:
-    """The pins among the joints of a guide."""
-    return [joint for joint in joints if isinstance(joint, pymunk.PinJoint)]
 
 
 def _guide_of(guide: str | PathGuide) -> PathGuide:
@@ -433,8 +478,7 @@ def _check_free_from(guide: PathGuide, march: March) -> None:
 
 
 def _check_parts(guide: PathGuide, member: str, value: object, kind: type) -> None:
-    """Raise a ParameterError if `value` of a guide's `member` is no list or tuple of objects of the `kind`."""
-    if not (isinstance(value, list | tuple) and all(isinstance(part, kind) for part in value)):
-        raise ParameterError(
-            f"{type(guide).__name__}.{member}", value, f"a list or tuple of pymunk.{kind.__name__}"
-        )
+    """Raise a ParameterError if a guide's `member` is no list or tuple of objects of the `kind`."""
+    if not isinstance(value, list | tuple) or not all(isinstance(part, kind) for part in value):
+        name = f"{type(guide).__name__}.{member}"
+        raise ParameterError(name, value, f"a list or tuple of pymunk.{kind.__name__}")

@@ -23,7 +23,6 @@ from zlib import crc32
 
 from pymunk_dragon._checks import flag, function, instances, label, whole
 from pymunk_dragon._extras import library
-from pymunk_dragon._signals import ENDING, signals_held
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.scenario import Scenario
@@ -155,9 +154,8 @@ def _outcomes(
     done: SimpleQueue[Future[Outcome]] = SimpleQueue()
     try:
         for number, at in points:
-            with signals_held():
-                running[future := pool.submit(call, at)] = number
-                future.add_done_callback(done.put)
+            running[future := pool.submit(call, at)] = number
+            future.add_done_callback(done.put)
             if len(running) >= _MAX_RUNNING:
                 yield _finished(running, done)
         while running:
@@ -220,20 +218,16 @@ class _Processes(ProcessPoolExecutor):
 
 @contextmanager
 def _blocked_signals() -> Iterator[None]:
-    """Delay the signals that end the program, and block them in processes that start: a terminal sends them to all.
-
-    Other threads may receive what is blocked in this one, and handlers run in this one; so both are
-    needed.
-    """
+    """Block the signals that end the program in processes that start: a terminal sends them to all."""
     if not hasattr(signal, "pthread_sigmask"):  # On Windows.
         yield
         return
-    with signals_held():
-        before = signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
-        try:
-            yield
-        finally:
-            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+    ending = {signal.SIGINT, signal.SIGTERM, signal.SIGHUP}
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, ending)
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _begin_worker() -> None:

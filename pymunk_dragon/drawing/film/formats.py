@@ -17,7 +17,6 @@ import numpy as np
 from PIL import GifImagePlugin, Image, ImageChops
 
 from pymunk_dragon._extras import library
-from pymunk_dragon._signals import signals_held
 from pymunk_dragon.errors import MissingExtraError, ParameterError
 
 # Frames per second in a GIF, whose delays are whole centiseconds: browsers replace a delay of one
@@ -145,24 +144,13 @@ def _write_mp4(path: Path, frames: Frames) -> None:
     from imageio import v3 as iio
 
     counts = [max(1, count) for count in frames.durations(frames.fps)]
-    is_starting = False
-
     # imageio takes an iterator, but its annotations do not say so.
-    def all_pixels() -> Any:
-        nonlocal is_starting
-        for index, pixels in enumerate(_repeated(frames, counts)):
-            # FFmpeg is started when it gets the first frame.
-            is_starting = index == 0
-            yield pixels
-            is_starting = False
-            release()
+    pixels: Any = _repeated(frames, counts)
 
     # It warns of an FFmpeg that has ended early, which is an error here.
     getLogger("imageio_ffmpeg").setLevel(ERROR)
     try:
-        # Signals that arrive while FFmpeg is started cannot be raised.
-        with signals_held(lambda: is_starting) as release:
-            iio.imwrite(path, all_pixels(), fps=frames.fps, **_MP4_OPTIONS)
+        iio.imwrite(path, pixels, fps=frames.fps, **_MP4_OPTIONS)
     except (RuntimeError, FileNotFoundError, PermissionError) as error:
         raise MissingExtraError("an MP4", "mp4") from error
     except OSError as error:

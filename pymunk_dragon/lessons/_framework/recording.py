@@ -14,8 +14,6 @@ from typing import Any
 
 from pymunk_dragon._checks import instance
 from pymunk_dragon._extras import FEATURES, is_installed
-from pymunk_dragon._files import temporary_folder
-from pymunk_dragon._signals import signals_held
 from pymunk_dragon.errors import DragonError, MissingExtraError, OutputError, ParameterError
 from pymunk_dragon.lessons._framework.lesson import Lesson
 
@@ -44,13 +42,9 @@ def run(lesson: Lesson, folder: Path) -> Iterator[str]:
         "stdin": subprocess.DEVNULL,
     }
     options |= {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
-    is_held = True
-    # Signals wait until the process has started, so that it is always ended.
-    with signals_held(lambda: is_held) as release, subprocess.Popen(command, **options) as process:
+    with subprocess.Popen(command, **options) as process:
         assert process.stdout is not None
         try:
-            is_held = False
-            release()
             yield from process.stdout
             _, errors = process.communicate()
         finally:
@@ -94,7 +88,8 @@ def record(lesson: Lesson) -> Recording:
     't =   0 s  r = 8.800 m  walking 1.000 m/s  turning 0.114 rad/s, a round in 55.3 s'
     """
     instance("lesson", lesson, Lesson, "a Lesson")
-    with temporary_folder() as folder:
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
         printed = "".join(run(lesson, folder))
         file = picture(lesson, folder)
         return Recording(lesson, printed, file.read_bytes(), file.suffix)
