@@ -497,3 +497,9 @@ def test_text_and_values_of_a_run_leave_out_what_is_unknown(seed_march):
     assert json.loads(json.dumps(exact.to_dict(), allow_nan=False))["until"] == 2.0
     for result in (run, MARCH.at([0.5, 2]), MARCH.at([]), Run.exact(seed_march, [0, 412.4738376])):
         assert len(repr(result)) < 80
+
+
+@pytest.mark.parametrize("times", [[-1e10, 0.0], [0.0, 1e10]])
+def test_run_has_no_frame_before_or_after_every_time_of_its_march(times):
+    arrays = {"poses": np.zeros((2, 4, 3)), "drift": np.zeros((2, 4))}
+    assert refusal(Run, march=MARCH, times=times, **arrays).name == "times"

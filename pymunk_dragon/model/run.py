@@ -38,6 +38,7 @@ from pymunk_dragon.model.dragon import Dragon, pose_step
 from pymunk_dragon.model.march import March, check_march
 from pymunk_dragon.model.scenario import Scenario
 from pymunk_dragon.model.settings import EngineSettings
+from pymunk_dragon.model.speed import MAX_TIME
 
 # How a run ended: at a contact, without one, or where the head has no coordinate on the curve.
 Outcome = Literal["contact", "clear", "unreachable"]
@@ -136,6 +137,9 @@ class Run(ArrayRecord):
             times.size and np.isfinite(times).all() and np.all(np.diff(times) > 0)
         ):
             raise ParameterError("times", self.times, "finite and rising, one or more")
+        # A film or a report of the run needs states of the march at these times.
+        finite("times", float(times[-1]), -MAX_TIME, MAX_TIME, "s")
+        self.march.motion_or_nan(times[:1])
         if self.pose_velocities is None:
             object.__setattr__(
                 self, "pose_velocities", _differences(times, numbers("poses", self.poses, 3))

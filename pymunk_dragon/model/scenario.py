@@ -238,7 +238,8 @@ def _curve(curve: Any, given: Mapping[str, Any]) -> Curve:
     elif curve is None or (isinstance(curve, str) and curve in Curve.kinds):
         table = {"kind": curve or ("sampled" if "points" in given else _DEFAULT_CURVE), **given}
     else:
-        bound = f"a name, {' or '.join(named_curves())}, a file of points, which ends in {_CSV}, or a table with its kind"
+        names = " or ".join(named_curves())
+        bound = f"a name, {names}, a file of points, which ends in {_CSV}, or a table with its kind"
         raise ParameterError("curve", curve, bound)
     try:
         return Curve.from_dict(table)

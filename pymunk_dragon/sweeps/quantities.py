@@ -29,9 +29,9 @@ _MAX_MESSAGE = 300
 class Quantity:
     """What a sweep computes: a function of a `March` and of keyword-only parameters.
 
-    The name is one of `QUANTITIES` or
-    ``"module:function"``; `summary` is what is computed, in one line. `parameters` are names of parameters that can be axes, of which `own_parameters`
-    are the function's.
+    The name is one of `QUANTITIES` or ``"module:function"``; `summary` is what is computed, in one
+    line. `parameters` are names of parameters that can be axes, of which `own_parameters` are the
+    function's.
     """
 
     def __init__(self, name: str, function: Callable[..., Values]) -> None:
