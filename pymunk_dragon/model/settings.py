@@ -97,7 +97,7 @@ class EngineSettings:
             object.__setattr__(self, "iterations", iterations)
 
     def resolved(self, *, top_speed: float, pulled_mass: float) -> EngineSettings:
-        """The settings with numbers for `substep`, `iterations` and the `head_force` of contacts.
+        """The settings with numbers in place of None, apart from a `head_force` without a use.
 
         `top_speed` is the highest one of the head, m/s, and `pulled_mass` that of the benches on
         which the head has to balance the ground drag, kg. In a substep the head may travel from

@@ -77,9 +77,9 @@ class SpeedTable:
     ) -> SpeedTable:
         """Table of a function from a time in s to a speed in m/s, from `start` to `until`, s.
 
-        It has an entry every `step` s. Choose a step in which the speed changes little: the march goes at the speed of the table
-        exactly, which differs from the function by step**2 / 8 times the function's second
-        derivative.
+        It has an entry every `step` s. Choose a step in which the speed changes little: the march
+        goes at the speed of the table exactly, which differs from the function by step**2 / 8 times
+        the function's second derivative.
 
         Examples
         --------
