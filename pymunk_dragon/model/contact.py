@@ -176,26 +176,29 @@ def contact_text(
     if benches is None or point is None:
         if status != "unreachable":
             return text("no contact until t = {t:.6g} s").format(t=time)
-        lost = "no contact until t = {t:.6g} s, after which a handle has no position on the curve"
-        return text(lost).format(t=time)
+        lost = text(
+            "no contact until t = {t:.6g} s, after which a handle has no position on the curve"
+        )
+        return lost.format(t=time)
     values = {"i": benches[0], "j": benches[1], "t": f"{time:.{decimals}f}"}
     if status == "overlapping":
         return text("benches {i} and {j} overlap at the start, t = {t} s").format(**values)
     x, y = point
-    first = "first contact at t = {t} s: benches {i} and {j} at ({x:.6f}, {y:.6f}) m"
-    return text(first).format(**values, x=x, y=y)
+    first = text("first contact at t = {t} s: benches {i} and {j} at ({x:.6f}, {y:.6f}) m")
+    return first.format(**values, x=x, y=y)
 
 
 def read_contact(kind: type[_Kind], values: Mapping[str, Any], benches: int) -> _Kind:
-    """The record of a contact among `benches`, from JSON of its `asdict`; an error if it is none."""
+    """Record of a contact among `benches`, from JSON of its `asdict`; an error if it is none."""
     first, second = values["benches"]
     whole("benches", first, 0, benches - 2)
     whole("benches", second, first + 1, benches - 1)
     read: dict[str, Any] = {"benches": (first, second)}
-    for name in values.keys() - read:
+    for name, value in values.items():
         # What may be absent has None as its default.
-        absent = values[name] is None and getattr(kind, name, 0) is None
-        read[name] = None if absent else _read(name, values[name])
+        absent = value is None and getattr(kind, name, 0) is None
+        if name != "benches":
+            read[name] = None if absent else _read(name, value)
     return kind(**read)
 
 

@@ -323,11 +323,11 @@ class _Branch:
             following = front + direction * step
             there = float(self._rears(np.array([following]), bracket)[0])
             if not np.isnan(there):
-                ends = sorted((front, following))
+                low, high = sorted((front, following))
                 if hidden:
-                    self._possible_reversals.append((*ends, hidden))
+                    self._possible_reversals.append((low, high, hidden))
                 if (growth[0] >= 0) != (self._growth(following, there)[0] >= 0):
-                    self._reversals.append(self._reversal(*ends, bracket))
+                    self._reversals.append(self._reversal(low, high, bracket))
                 cells.append((following, *bracket))
                 return following, there
             # The rear handle is before the begin of the curve.
