@@ -17,14 +17,16 @@ class TextResult:
 
 
 def table(heads: Sequence[str], formats: Sequence[str], rows: Iterable[Sequence[Any]]) -> list[str]:
-    """Lines of a table: the heads, and the rows with one format specification for each column; None is a dash."""
-    return ["  ".join(map(_cell, row, formats)).rstrip() for row in (heads, *rows)]
+    """Lines of a table with one format specification for each column; None is a dash."""
+    lines = ("  ".join(map(_cell, row, formats)) for row in (heads, *rows))
+    return [line.rstrip() for line in lines]
 
 
 def _cell(value: Any, specification: str) -> str:
     if value is not None and not isinstance(value, str):
         return format(value, specification)
-    shown, least = value or "-", re.search(r"\d+", specification)
+    shown = value or "-"
+    least = re.search(r"\d+", specification)
     padding = " " * (int(least[0]) - width(shown)) if least else ""
     return shown + padding if specification.startswith("<") else padding + shown
 

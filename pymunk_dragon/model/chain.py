@@ -1,10 +1,9 @@
 """Equations of a rigid chain whose handles are on a path, without units.
 
 A bench of spacing d has its front handle at the arc-length coordinate s of a path P and its rear
-handle at r < s, with
-|P(s) - P(r)| = d. Let alpha and beta be the angles from the bench to the path's tangent T at its front and rear handle,
-and kappa_f and kappa_r the curvatures there. Then, with e = P(s) - P(r), e . T(s) = d cos alpha and
-e . T(r) = d cos beta, and the rigid bench has
+handle at r < s, with |P(s) - P(r)| = d. Let alpha and beta be the angles from the bench to the
+path's tangent T at its front and rear handle, and kappa_f and kappa_r the curvatures there. Then,
+with e = P(s) - P(r), e . T(s) = d cos alpha and e . T(r) = d cos beta, and the rigid bench has
 
 - velocity ratio:  dr/ds = rho = cos alpha / cos beta,
 - angular rate:    dphi/ds = omega = (sin alpha - rho sin beta) / d,
@@ -25,14 +24,14 @@ from pymunk_dragon._arrays import Array, Complex, Flags, as_complex
 # Passes of Newton's method, which needs 3 or 4, and of bisection, its fallback within a bracket,
 # which needs 53.
 _MAX_PASSES = 80
-# The same for whole chains, which need 3 to 6, the last one to check the result.
+# Passes of Newton's method for whole chains, which need 3 to 6, the last one to check the result.
 _WHOLE_PASSES = 8
-# Error of a distance, as a share of the shortest spacing, whose square, the error after the next
+# Error of a distance, as a share of the shortest spacing: its square, the error after the next
 # step, is negligible.
 _WHOLE_ERROR = 3e-7
-# The same up to which the derivatives of one pass serve the next one too.
+# Error, as a share of the shortest spacing, up to which the derivatives of a pass serve the next.
 _SAME_DERIVATIVES = 1e-3
-# The same at which a whole chain is accepted, in last digits of the largest coordinate.
+# Error at which a whole chain is accepted, in last digits of the largest coordinate.
 _WHOLE_RESIDUAL = 64
 # m by which two computed coordinates of one handle may differ.
 _SAME_HANDLE = 1e-9
@@ -78,21 +77,24 @@ class RateBounds(NamedTuple):
 
 
 def angles(points: Array, tangents: Array, spacings: Array) -> tuple[Complex, Complex]:
-    """e^(i alpha) and e^(i beta), each (..., N), from the handles' points and unit tangents (..., N + 1, 2)."""
-    handles, directions = as_complex(points), as_complex(tangents)
-    heading = ((handles[..., :-1] - handles[..., 1:]) / spacings).conj()
+    """e^(i alpha) and e^(i beta), each (..., N), of points and tangents (..., N + 1, 2)."""
+    handles = as_complex(points)
+    directions = as_complex(tangents)
+    benches = handles[..., :-1] - handles[..., 1:]
+    heading = (benches / spacings).conj()
     return directions[..., :-1] * heading, directions[..., 1:] * heading
 
 
 def velocity_ratios(front: Array, rear: Array) -> Array:
-    """Velocities (..., N + 1) along the path in units of the first handle's, from cos alpha and cos beta (..., N)."""
-    ratios = np.ones((*front.shape[:-1], front.shape[-1] + 1))
+    """Velocities (..., N + 1) over the first handle's, from cos alpha and cos beta (..., N)."""
+    *times, benches = front.shape
+    ratios = np.ones((*times, benches + 1))
     np.cumprod(front / rear, axis=-1, out=ratios[..., 1:])
     return ratios
 
 
 def angular_rates(front: Complex, rear: Complex, spacings: Array) -> Array:
-    """Angular rates omega (..., N) by the front handle's coordinate, from e^(i alpha) and e^(i beta)."""
+    """Angular rates omega (..., N) by the front handle's coordinate, from both angles."""
     rates: Array = (front.imag - front.real / rear.real * rear.imag) / spacings
     return rates
 
@@ -113,7 +115,7 @@ def rate_bounds(
 
 
 class ChainMotion(NamedTuple):
-    """Arrays (T, H) of coordinates, complex points and unit tangents, and velocities in units of the head's.
+    """Arrays (T, H): coordinates, complex points and unit tangents, velocities over the head's.
 
     They are nan for a handle that has no coordinate, and for all behind it.
     """
@@ -145,13 +147,13 @@ def chains(path: Path, heads: Array, spacings: Array) -> ChainMotion:
     found, converged = _whole_chains(path, heads, spacings)
     if not converged.all():
         rest = ~converged
-        handles_s = np.full((int(rest.sum()), spacings.size + 1), np.nan)
+        number = int(rest.sum())
+        handles_s = np.full((number, spacings.size + 1), np.nan)
         handles_s[:, : _BLOCK + 1] = _bench_by_bench(path, heads[rest], spacings[:_BLOCK])
         behind = ~np.isnan(handles_s[:, min(_BLOCK, spacings.size)])
         if spacings.size > _BLOCK and behind.any():
-            handles_s[behind, _BLOCK:] = chains(
-                path, handles_s[behind, _BLOCK], spacings[_BLOCK:]
-            ).handles_s
+            fronts = handles_s[behind, _BLOCK]
+            handles_s[behind, _BLOCK:] = chains(path, fronts, spacings[_BLOCK:]).handles_s
         for into, part in zip(found, chain_motion(path, handles_s, spacings), strict=True):
             into[rest] = part
     return found
@@ -160,7 +162,8 @@ def chains(path: Path, heads: Array, spacings: Array) -> ChainMotion:
 def _bench_by_bench(path: Path, heads: Array, spacings: Array) -> Array:
     """Coordinates (T, H) of chains, from each handle to the next."""
     handles_s = np.full((heads.size, spacings.size + 1), np.nan)
-    handles_s[:, 0] = np.where(np.isnan(path._parameter(heads)), np.nan, heads)
+    off = np.isnan(path._parameter(heads))
+    handles_s[:, 0] = np.where(off, np.nan, heads)
     for i, spacing in enumerate(spacings.tolist()):
         on = ~np.isnan(handles_s[:, i])
         handles_s[on, i + 1] = rear_handle(path, handles_s[on, i], spacing)
@@ -168,7 +171,9 @@ def _bench_by_bench(path: Path, heads: Array, spacings: Array) -> Array:
 
 
 def _whole_chains(path: Path, heads: Array, spacings: Array) -> tuple[ChainMotion, Flags]:
-    """Chains with the heads at the coordinates (T,), each computed as a whole; and for which (T,) this succeeded.
+    """Chains with the heads at the coordinates (T,), each computed as a whole, where that succeeds.
+
+    The second value is for which (T,) it did.
 
     The equation of bench i, F_i = (|P_i - P_{i+1}|^2 - d_i^2) / 2 = 0, depends on the parameters of
     handles i and i + 1 only. So each step of Newton's method solves a bidiagonal system: with A_i
@@ -181,8 +186,10 @@ def _whole_chains(path: Path, heads: Array, spacings: Array) -> tuple[ChainMotio
     """
     handles = spacings.size + 1
     found = _empty(heads.size, handles)
-    converged, parameters = np.empty(heads.size, dtype=bool), path._parameter(heads)
+    converged = np.empty(heads.size, dtype=bool)
+    parameters = path._parameter(heads)
     rows = max(1, _WHOLE_HANDLES // handles)
+
     with np.errstate(all="ignore"):
         for begin in range(0, heads.size, rows):
             block = slice(begin, begin + rows)
@@ -196,7 +203,8 @@ def _whole_chains(path: Path, heads: Array, spacings: Array) -> tuple[ChainMotio
 def _empty(chains: int, handles: int) -> ChainMotion:
     """Arrays (chains, handles) of any contents."""
     size = chains * handles
-    memory = np.empty(6 * size if size < _WHOLE_HANDLES else max(6 * size, _LARGE_PAGES))
+    length = 6 * size if size < _WHOLE_HANDLES else max(6 * size, _LARGE_PAGES)
+    memory = np.empty(length)
     handles_s, points, tangents, ratios = np.split(memory[: 6 * size], [size, 3 * size, 5 * size])
     found = ChainMotion(handles_s, points.view(complex), tangents.view(complex), ratios)
     return found.each(lambda part: part.reshape(chains, handles))
@@ -205,11 +213,14 @@ def _empty(chains: int, handles: int) -> ChainMotion:
 def _solve_block(
     path: Path, heads: Array, parameters: Array, spacings: Array, into: ChainMotion
 ) -> Flags:
-    """Write chains to arrays (H, T), in which front and rear handles are contiguous; which are accepted, (T,)."""
-    lengths, shortest = spacings[:, None], spacings.min(initial=np.inf)
-    squares, inverse = lengths**2, 0.5 / lengths
+    """Write chains to arrays (H, T), whose rows are contiguous; which are accepted, (T,)."""
+    lengths = spacings[:, None]
+    shortest = spacings.min(initial=np.inf)
     parameters = path._estimate(heads, parameters, lengths)
-    converged, known = np.zeros(heads.shape, dtype=bool), np.full(heads.shape, np.nan)
+    converged = np.zeros(heads.shape, dtype=bool)
+    # Errors where the derivatives were computed.
+    known = np.full(heads.shape, np.nan)
+
     for _ in range(_WHOLE_PASSES):
         points, derivatives = path._motion(parameters)
         benches = points[:-1] - points[1:]
@@ -217,15 +228,16 @@ def _solve_block(
         # 2 F.
         step = np.square(benches.real)
         step += np.square(benches.imag)
-        step -= squares
-        error = step * inverse
+        step -= lengths**2
+        error = step * (0.5 / lengths)
         error = np.abs(error, out=error).max(axis=0, initial=0)
         if converged.all():
             break
         if not (known <= _SAME_DERIVATIVES * shortest).all():
             ratios, behind = _ratios(benches, derivatives)
             behind *= ratios[1:]
-            weights, known = 0.5 / behind, error
+            weights = 0.5 / behind
+            known = error
         step *= weights
         np.cumsum(step, axis=0, out=step)
         step *= ratios[1:]
@@ -233,22 +245,22 @@ def _solve_block(
             step[:, converged] = 0
         parameters[1:] += step
         converged |= error * known <= (_WHOLE_ERROR * shortest) ** 2
+
     into.handles_s[:] = path._coordinate(parameters)
     # The inverse of `_parameter` rounds; the heads keep their coordinates.
     into.handles_s[0] = heads
-    largest = np.maximum(
-        np.abs(into.handles_s[[0, -1]]).max(axis=0), np.abs(points[0]) + spacings.sum()
-    )
-    # Written so that nan fails.
+    along = np.abs(into.handles_s[[0, -1]]).max(axis=0)
+    largest = np.maximum(along, np.abs(points[0]) + spacings.sum())
+    # The comparison is false for nan.
     converged &= error <= _WHOLE_RESIDUAL * np.spacing(largest)
+
     ratios, _ = _ratios(benches, derivatives)
     speeds = np.abs(derivatives)
     into.points[:] = points
     # NumPy multiplies complex numbers several times as fast as it divides them.
     into.tangents[:] = derivatives * (1 / speeds)
     speeds /= speeds[0].copy()
-    ratios *= speeds
-    into.ratios[:] = ratios
+    np.multiply(ratios, speeds, out=into.ratios)
     return converged
 
 
@@ -262,7 +274,7 @@ def _ratios(benches: Complex, derivatives: Complex) -> tuple[Array, Array]:
 
 
 def rear_handle(path: Path, s: Array, chord: float) -> Array:
-    """Nearest coordinates (T,) back along the path from `s` (T,) at the straight distance `chord`; nan if none."""
+    """Nearest coordinates (T,) back from `s` (T,) at the straight distance `chord`; nan if none."""
     shortest, longest, gentle = gentle_offsets(path, s, chord)
     sharp = np.flatnonzero(~gentle)
     if sharp.size:
@@ -271,37 +283,43 @@ def rear_handle(path: Path, s: Array, chord: float) -> Array:
 
 
 def _nearest(path: Path, handles_s: Array, spacings: Array) -> Flags:
-    """Whether each rear handle of chains (H, T) at these distances is the one that `rear_handle` finds; (T,)."""
-    fronts, rears, reach = handles_s[:-1], handles_s[1:], np.pi / 2 * spacings[:, None]
+    """Whether (T,) the rear handles of chains (H, T) are those that `rear_handle` finds."""
+    fronts = handles_s[:-1]
+    rears = handles_s[1:]
+    reach = np.pi / 2 * spacings[:, None]
     # Where the path is gentle as in `gentle_offsets`, it is the only one within reach: with one
     # bound on the curvature for the whole chain, or with one for each bench.
     back = fronts - rears
     found = (back > 0) & (back <= reach)
-    curvature = path.max_curvature(handles_s[-1] - reach.max(initial=0), handles_s[0])
+    tails = handles_s[-1] - reach.max(initial=0)
+    curvature = path.max_curvature(tails, handles_s[0])
     rest = np.flatnonzero(~(curvature * spacings.max(initial=0) < 2))
+
     if rest.size:
         sharp = np.zeros(fronts.shape, dtype=bool)
         some = fronts[:, rest]
-        sharp[:, rest] = ~(path.max_curvature(some - reach, some) * spacings[:, None] < 2)
+        curvature = path.max_curvature(some - reach, some)
+        sharp[:, rest] = ~(curvature * spacings[:, None] < 2)
         for spacing in np.unique(spacings).tolist():
             chosen = np.nonzero(sharp & (spacings[:, None] == spacing))
-            found[chosen] = (
-                np.abs(rear_handle(path, fronts[chosen], spacing) - rears[chosen]) <= _SAME_HANDLE
-            )
+            nearest = rear_handle(path, fronts[chosen], spacing)
+            found[chosen] = np.abs(nearest - rears[chosen]) <= _SAME_HANDLE
     return np.asarray(found.all(axis=0))
 
 
 def gentle_offsets(path: Path, s: Array, chord: float) -> tuple[Array, Array, Flags]:
-    """Offsets back from `s` (T,) that bracket the handle behind, and whether the path is gentle there (T,).
+    """Offsets back from `s` (T,) that bracket the handle behind, and whether the path is gentle.
 
     Where the path is no more curved than a circle with the chord as its diameter, the straight
     distance grows over half that circle's circumference, and the arc to the handle is no longer
     than the circle's arc.
     """
-    sine = np.maximum(path.max_curvature(s - np.pi / 2 * chord, s) * chord / 2, _SMALLEST_STEP)
+    curvature = path.max_curvature(s - np.pi / 2 * chord, s)
+    sine = np.maximum(curvature * chord / 2, _SMALLEST_STEP)
     # Longer by at least one last digit, so that the bracket on a straight line is not empty.
     longest = np.arcsin(np.minimum(sine, 1.0)) / sine * chord * (1 + _STEP_TOLERANCE)
-    return np.full(s.shape, chord * (1 - _STEP_TOLERANCE)), longest, sine < 1
+    shortest = np.full(s.shape, chord * (1 - _STEP_TOLERANCE))
+    return shortest, longest, sine < 1
 
 
 def rear_between(path: Path, s: Array, chord: float, low: Array, high: Array) -> Array:
@@ -317,17 +335,22 @@ def rear_between(path: Path, s: Array, chord: float, low: Array, high: Array) ->
         # Rounding may put a handle at the path's begin before it.
         distance = np.abs(fronts[at_begin] - as_complex(path.point(path.begin_s)))
         lost[at_begin] |= distance < chord * (1 - _STEP_TOLERANCE)
-    low, high = np.where(lost, np.nan, low), np.where(lost, np.nan, high)
+
+    low = np.where(lost, np.nan, low)
+    high = np.where(lost, np.nan, high)
     offset = high.copy()
     for _ in range(_MAX_PASSES):
-        points, tangents = map(as_complex, path.frame(np.maximum(s - offset, path.begin_s)))
-        distance = np.abs(fronts - points)
+        points, tangents = path.frame(np.maximum(s - offset, path.begin_s))
+        between = fronts - as_complex(points)
+        distance = np.abs(between)
         short = distance < chord
-        low, high = np.where(short, offset, low), np.where(short, high, offset)
+        low = np.where(short, offset, low)
+        high = np.where(short, high, offset)
         with np.errstate(divide="ignore", invalid="ignore"):
-            better = (
-                offset + (chord - distance) * distance / ((fronts - points).conj() * tangents).real
-            )
+            # Half the derivative of the squared distance by the offset.
+            growth = (between.conj() * as_complex(tangents)).real
+            better = offset + (chord - distance) * distance / growth
+        # A step that leaves the bracket is replaced by bisection.
         better = np.where((better >= low) & (better <= high), better, (low + high) / 2)
         step = np.abs(better - offset)
         offset = better
@@ -337,32 +360,39 @@ def rear_between(path: Path, s: Array, chord: float, low: Array, high: Array) ->
 
 
 def _bracket(path: Path, s: Array, chord: float) -> tuple[Array, Array]:
-    """Offsets back from `s`, each (T,), that bracket the first point at distance `chord`, growing from `s` on.
+    """Offsets back from `s`, each (T,), that bracket the first point at distance `chord`.
 
-    Let d be the distance at the offset h, and g the derivative of d^2 / 2. The derivative of g is
-    at least 1 - K (d + h) where the curvature is at most K. So a step of h is safe while g + h (1 -
-    K (d + h)) is not negative.
+    The distance grows from `s` to there. Let d be the distance at the offset h, and g the
+    derivative of d^2 / 2. The derivative of g is at least 1 - K (d + h) where the curvature is at
+    most K. So a step of h is safe while g + h (1 - K (d + h)) is not negative.
     """
     fronts = as_complex(path.point(s))
     before, offset, distance, growth = np.zeros((4, s.size))
-    rows, ahead = np.arange(s.size), np.full(s.shape, _LOOKAHEAD * chord)
+    rows = np.arange(s.size)
+    ahead = np.full(s.shape, _LOOKAHEAD * chord)
+
     for _ in range(_MAX_STEPS):
-        here, reach = offset[rows], ahead[rows]
-        curvature = path.max_curvature(s[rows] - here, s[rows] - here - reach)
+        here = offset[rows]
+        reach = ahead[rows]
+        begin = s[rows] - here
+        curvature = path.max_curvature(begin, begin - reach)
         curvature = np.maximum(curvature, _SMALLEST_STEP / chord)
         slope = 1 - curvature * distance[rows]
         # The positive root, without cancellation.
         total = np.abs(slope) + np.sqrt(slope**2 + 4 * curvature * growth[rows])
-        step = np.minimum(
-            np.where(slope > 0, total / (2 * curvature), 2 * growth[rows] / total), reach
-        )
-        before[rows], offset[rows] = here, here + step
+        safe = np.where(slope > 0, total / (2 * curvature), 2 * growth[rows] / total)
+        step = np.minimum(safe, reach)
+        before[rows] = here
+        offset[rows] = here + step
         # Where steps are short, the curvature much further ahead does not matter.
         ahead[rows] = np.minimum(4 * step, _LOOKAHEAD * chord)
-        points, tangents = map(as_complex, path.frame(s[rows] - offset[rows]))
-        between = fronts[rows] - points
-        distance[rows], growth[rows] = np.abs(between), (between.conj() * tangents).real
+
+        points, tangents = path.frame(s[rows] - offset[rows])
+        between = fronts[rows] - as_complex(points)
+        distance[rows] = np.abs(between)
+        growth[rows] = (between.conj() * as_complex(tangents)).real
         beyond = np.isnan(distance[rows]) | (distance[rows] >= chord)
+        # Where steps vanish, the distance has its maximum before it is the chord.
         stuck = ~beyond & (step < _SMALLEST_STEP * chord)
         before[rows[stuck]] = np.nan
         rows = rows[~(beyond | stuck)]

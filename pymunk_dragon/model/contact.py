@@ -36,17 +36,23 @@ class Contact:
 
     Attributes
     ----------
-    time, raw_time : float
-        Time of the contact, and end of the substep in which the engine noticed, s.
+    time : float
+        Time of the contact, s.
+    raw_time : float
+        End of the substep in which the engine noticed, s.
     benches : tuple of int
         Their numbers, the smaller one first.
-    point, normal, depth : tuple of float and float
-        Point of the contact, m, unit vector from the first bench towards the second, and overlap at
-        `raw_time`, m.
+    point : tuple of float
+        Point of the contact, m.
+    normal : tuple of float
+        Unit vector from the first bench towards the second.
+    depth : float
+        Overlap at `raw_time`, m.
 
     Examples
     --------
-    >>> Contact(time=1.0, raw_time=1.01, benches=(0, 8), point=(2.0, 3.0), normal=(1.0, 0.0), depth=1e-4).benches
+    >>> where = {"point": (2.0, 3.0), "normal": (1.0, 0.0), "depth": 1e-4}
+    >>> Contact(time=1.0, raw_time=1.01, benches=(0, 8), **where).benches
     (0, 8)
     """
 
@@ -70,11 +76,16 @@ class ContactEvent:
         Kind of callback. `post_solve` comes only where the engine solves the contact.
     benches : tuple of int
         The smaller number first.
-    points, normal, depth
-        One or two contact points, m, and as in `Contact`.
-    relative_velocity, impulse : tuple of float or None
-        Velocity of the second bench relative to the first, at the middle of the points, m/s, and
-        impulse on the second bench, N s; the impulse only in `post_solve`.
+    points : tuple of tuple of float
+        One or two contact points, m.
+    normal : tuple of float or None
+        Unit vector from the first bench towards the second.
+    depth : float or None
+        Overlap, m.
+    relative_velocity : tuple of float or None
+        Velocity of the second bench relative to the first, at the middle of the points, m/s.
+    impulse : tuple of float or None
+        Impulse on the second bench, N s; only in `post_solve`.
 
     Examples
     --------
@@ -94,7 +105,10 @@ class ContactEvent:
 
 @dataclass(frozen=True, kw_only=True)
 class ContactWindow:
-    """Time interval, s, in which two benches touch, as ends of substeps; `end` is None if it lasts beyond the run."""
+    """Time interval in which two benches touch, as ends of substeps, s.
+
+    `end` is None if it lasts beyond the run.
+    """
 
     benches: tuple[int, int]
     begin: float
@@ -102,7 +116,9 @@ class ContactWindow:
 
 
 class ContactLog(tuple[ContactEvent, ...]):
-    """All callback events of a run, in the order in which they came: a tuple whose text is the table of `windows`.
+    """All callback events of a run, in the order in which they came.
+
+    It is a tuple whose text is the table of `windows`.
 
     Examples
     --------
@@ -123,14 +139,10 @@ class ContactLog(tuple[ContactEvent, ...]):
         return f"ContactLog({len(self)} events)"
 
     def __str__(self) -> str:
-        rows = (
-            (
-                "{:3d} {:3d}".format(*one.benches),
-                one.begin,
-                text("the end") if one.end is None else f"{one.end:.3f}",
-            )
-            for one in self.windows()
-        )
+        rows = []
+        for window in self.windows():
+            end = text("the end") if window.end is None else f"{window.end:.3f}"
+            rows.append(("{:3d} {:3d}".format(*window.benches), window.begin, end))
         heads = (text("benches"), text("touch from (s)"), text("to (s)"))
         return "\n".join(table(heads, ("<7", "14.3f", ""), rows))
 
@@ -139,15 +151,15 @@ class ContactLog(tuple[ContactEvent, ...]):
         open_since: dict[tuple[int, int], float] = {}
         windows = []
         for event in self:
+            pair = event.benches
             if event.phase == "begin":
-                open_since[event.benches] = event.time
-            elif event.phase == "separate" and event.benches in open_since:
-                begin = open_since.pop(event.benches)
-                windows.append(ContactWindow(benches=event.benches, begin=begin, end=event.time))
-        still = [
-            ContactWindow(benches=pair, begin=begin, end=None) for pair, begin in open_since.items()
-        ]
-        return sorted(windows + still, key=lambda window: (window.begin, window.benches))
+                open_since[pair] = event.time
+            elif event.phase == "separate" and pair in open_since:
+                begin = open_since.pop(pair)
+                windows.append(ContactWindow(benches=pair, begin=begin, end=event.time))
+        for pair, begin in open_since.items():
+            windows.append(ContactWindow(benches=pair, begin=begin, end=None))
+        return sorted(windows, key=lambda window: (window.begin, window.benches))
 
 
 def contact_text(
@@ -157,7 +169,10 @@ def contact_text(
     time: float,
     decimals: int = 6,
 ) -> str:
-    """When and where two benches first touch, with so many `decimals` of the time, or until which time none do."""
+    """When and where two benches first touch, or until which time none do.
+
+    A time of contact has so many `decimals`.
+    """
     if benches is None or point is None:
         if status != "unreachable":
             return text("no contact until t = {t:.6g} s").format(t=time)
@@ -169,21 +184,22 @@ def contact_text(
     if status == "overlapping":
         return text("benches {i} and {j} overlap at the start, t = {t} s").format(**values)
     x, y = point
-    return text("first contact at t = {t} s: benches {i} and {j} at ({x:.6f}, {y:.6f}) m").format(
-        **values, x=x, y=y
-    )
+    first = text("first contact at t = {t} s: benches {i} and {j} at ({x:.6f}, {y:.6f}) m")
+    return first.format(**values, x=x, y=y)
 
 
 def read_contact(kind: type[_Kind], values: Mapping[str, Any], benches: int) -> _Kind:
-    """The record of a contact among `benches`, from JSON of its `dataclasses.asdict`; an error if it is none."""
+    """Record of a contact among `benches`, from JSON of its `asdict`; an error if it is none."""
     first, second = values["benches"]
-    pair = whole("benches", first, 0, benches - 2), whole("benches", second, first + 1, benches - 1)
-    read = {}
+    whole("benches", first, 0, benches - 2)
+    whole("benches", second, first + 1, benches - 1)
+    read: dict[str, Any] = {"benches": (first, second)}
     for name, value in values.items():
         # What may be absent has None as its default.
         absent = value is None and getattr(kind, name, 0) is None
-        read[name] = None if absent else _read(name, value)
-    return kind(**read | {"benches": pair})
+        if name != "benches":
+            read[name] = None if absent else _read(name, value)
+    return kind(**read)
 
 
 def _read(name: str, value: Any) -> Any:
@@ -195,7 +211,8 @@ def _read(name: str, value: Any) -> Any:
         return finite(name, value, -limit, limit, "")
 
     vectors = numbers(name, value or np.empty((0, 2)), 2)
-    is_bounded = bool((np.abs(vectors) <= limit).all())
-    if vectors.ndim != (2 if name == "points" else 1) or not is_bounded:
+    axes = 2 if name == "points" else 1
+    if vectors.ndim != axes or not (np.abs(vectors) <= limit).all():
         raise ParameterError(name, value, f"numbers x, y within {limit:g}")
-    return tuple(map(tuple, vectors.tolist())) if vectors.ndim > 1 else tuple(vectors.tolist())
+    rows = vectors.tolist()
+    return tuple(map(tuple, rows)) if axes == 2 else tuple(rows)

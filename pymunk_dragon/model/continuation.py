@@ -15,10 +15,9 @@ such functions. Two facts make g certain:
   with the curve's own bound on its curvature.
 - Elsewhere g is followed in cells. From a root (s0, r0), and with bounds K_s and K_r on the
   curvature near both handles, |F(s, r0)| <= |A| h + M_s h^2 / 2 for |s - s0| <= h, and B decreases
-  by no more than h + M_r p for
-  |r - r0| <= p, where M = 1 + K times the longest distance in the cell. If |A| h + M_s h^2 / 2 < p (B - h - M_r p),
-  then for every s of the cell F changes sign once and only once within |r - r0| <= p. No other
-  branch can be met, however long the step.
+  by no more than h + M_r p for |r - r0| <= p, where M = 1 + K times the longest distance in the
+  cell. If |A| h + M_s h^2 / 2 < p (B - h - M_r p), then for every s of the cell F changes sign once
+  and only once within |r - r0| <= p. No other branch can be met, however long the step.
 
 Handles that move back and forth may pass the end of the next bench's g and return, although motion
 has ended there. What counts is the range of each handle since the start. The image of an interval
@@ -28,6 +27,7 @@ are followed along the chain as well.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import cached_property
 
 import numpy as np
@@ -44,21 +44,23 @@ from pymunk_dragon.model.chain import (
 )
 from pymunk_dragon.model.curves.base import Curve
 
-# Shares of a spacing: grid on which the curvature is checked, and longest half cell in either
-# coordinate.
-_GRID, _WINDOW = 0.25, 0.125
+# Share of a spacing: the grid on which the curvature is checked.
+_GRID = 0.25
+# Share of a spacing: longest half cell in either coordinate.
+_WINDOW = 0.125
 # Cells of the grid that are checked at once.
 _GRID_CELLS = 4096
 # Share of the longest step that is proven, to cover its rounding.
 _SAFE = 0.9
-# Share of a spacing. Shorter steps only approach a fold: its coordinate is then known to about
-# this.
+# Share of a spacing. Shorter steps only approach a fold, whose coordinate is then known to that.
 _SHORTEST = 1e-13
 # Share of a spacing. Longest step where A may vanish: two reversals in it displace the rear handle
 # negligibly.
 _REVERSAL = 1e-4
-# Points per pass in which A = 0 is located in a cell, and passes: to 1e-12 of the cell.
-_SECTIONS, _PASSES = 17, 10
+# Points of a cell among which one pass locates A = 0.
+_SECTIONS = 17
+# Such passes: to 1e-12 of the cell.
+_PASSES = 10
 # m by which two benches may differ in a state that they share.
 _SAME = 1e-9
 # Cells after which a strongly curved path is not followed any further.
@@ -66,29 +68,31 @@ _MAX_CELLS = 100_000
 
 
 class Continuation:
-    """States of a chain with spacings (N,) that moves continuously from where `Curve.chain` has it for `head`, m.
+    """States of a chain with spacings (N,) that moves continuously from its start.
 
-    No result depends on earlier calls, not even in its last digits: the cells that are kept between
-    calls are the same whichever call needs them first, and each coordinate is computed from one
-    cell. The other heads of a call, and the number of handles, may change the last digits, as
-    Newton's method goes on until all have converged.
+    There `Curve.chain` has it for `head`, m. No result depends on earlier calls, not even in its
+    last digits: the cells that are kept between calls are the same whichever call needs them first,
+    and each coordinate is computed from one cell. The other heads of a call, and the number of
+    handles, may change the last digits, as Newton's method goes on until all have converged.
     """
 
     def __init__(self, curve: Curve, head: float, spacings: Array) -> None:
-        self._curve, self._head, self._spacings = curve, head, spacings
+        self._curve = curve
+        self._head = head
+        self._spacings = spacings
 
     @cached_property
     def start(self) -> Array:
-        """Coordinates (H,) at the start, m; nan for handles that have none, and for all behind them."""
+        """Coordinates (H,) at the start, m; nan for handles without one and all behind."""
         handles_s: Array = self._curve.chain([self._head], self._spacings)[0]
         return handles_s
 
     def motion(self, heads: Array, handles: int) -> ChainMotion:
-        """Motion of the foremost handles with the head at `heads` (T,), m; nan where no continuous motion leads to."""
+        """Motion of the foremost handles for heads (T,), m; nan where no continuous motion leads."""
         spacings = self._spacings[: handles - 1]
-        direct = self._gentle(
-            np.minimum(heads, self._head), np.maximum(heads, self._head), spacings
-        )
+        lows = np.minimum(heads, self._head)
+        highs = np.maximum(heads, self._head)
+        direct = self._gentle(lows, highs, spacings)
         if direct.all():
             return chains(self._curve, heads, spacings)
         handles_s = np.empty((heads.size, handles))
@@ -97,56 +101,70 @@ class Continuation:
         return chain_motion(self._curve, handles_s, spacings)
 
     def ranges(self, first: Array, last: Array) -> tuple[Array, Array]:
-        """Lowest and highest coordinates (T, H) of handles while the chain moves between two states (T, H)."""
-        lows, highs = np.minimum(first, last), np.maximum(first, last)
+        """Lowest and highest coordinates (T, H) of handles in motion between two states (T, H)."""
+        lows = np.minimum(first, last)
+        highs = np.maximum(first, last)
         spacings = self._spacings[: first.shape[1] - 1]
         rows = np.flatnonzero(~self._gentle(lows[:, 0], highs[:, 0], spacings))
-        if rows.size:
-            reversing = np.zeros(rows.size, dtype=bool)
-            for i, branch in enumerate(self._branches[: spacings.size]):
-                reversing |= branch.hidden(lows[rows, i], highs[rows, i]) > 0
-            rows = rows[reversing]
-        for i, branch in enumerate(self._branches[: spacings.size] if rows.size else []):
-            gentle = self._gentle(lows[rows, i], highs[rows, i], spacings[i:])
-            rest, rows = rows[gentle], rows[~gentle]
-            for ends in (lows, highs):
-                ends[rest, i:] = self._curve.chain(ends[rest, i], spacings[i:])
+        if not rows.size:
+            return lows, highs
+
+        # Where no handle may reverse, the ranges end at the two states.
+        branches = self._branches[: spacings.size]
+        reversing = np.zeros(rows.size, dtype=bool)
+        for i, branch in enumerate(branches):
+            reversing |= branch.hidden(lows[rows, i], highs[rows, i]) > 0
+        rows = rows[reversing]
+
+        for i, branch in enumerate(branches):
             if not rows.size:
                 break
-            known = (first[rows, i], first[rows, i + 1]), (last[rows, i], last[rows, i + 1])
+            # Chains whose rest is gentle move in one direction.
+            gentle = self._gentle(lows[rows, i], highs[rows, i], spacings[i:])
+            rest = rows[gentle]
+            for ends in (lows, highs):
+                ends[rest, i:] = self._curve.chain(ends[rest, i], spacings[i:])
+            rows = rows[~gentle]
+            if not rows.size:
+                break
+            # The others are followed through the function of this bench.
+            known = [(state[rows, i], state[rows, i + 1]) for state in (first, last)]
             low, high = branch.image(lows[rows, i], highs[rows, i], known)
             hidden = branch.hidden(lows[rows, i], highs[rows, i])
-            lows[rows, i + 1], highs[rows, i + 1] = low - hidden, high + hidden
+            lows[rows, i + 1] = low - hidden
+            highs[rows, i + 1] = high + hidden
         return lows, highs
 
     def is_one_function(self, low: float, high: float) -> bool:
-        """Whether all benches behind bench 0 are the same function while the head stays between `low` and `high`, m."""
+        """Whether all benches behind bench 0 are one function for heads from `low` to `high`, m."""
         if np.unique(self._spacings[1:]).size > 1:
             return False
-        extremes = np.array([min(low, self._head)]), np.array([max(high, self._head)])
-        return (
-            bool(self._gentle(*extremes, self._spacings)[0])
-            or len({id(each) for each in self._branches[1:]}) <= 1
-        )
+        lows = np.array([min(low, self._head)])
+        highs = np.array([max(high, self._head)])
+        if self._gentle(lows, highs, self._spacings)[0]:
+            return True
+        return len({id(each) for each in self._branches[1:]}) <= 1
 
     def _gentle(self, lows: Array, highs: Array, spacings: Array) -> Flags:
-        """Whether A and B are positive for such benches for any first front from `lows` to `highs` (T,)."""
-        curvature = self._curve.max_curvature(lows - np.pi / 2 * spacings.sum(), highs)
+        """Whether A and B are positive for benches whose fronts begin in [lows, highs], (T,)."""
+        tails = lows - np.pi / 2 * spacings.sum()
+        curvature = self._curve.max_curvature(tails, highs)
         return np.asarray(~(curvature * spacings.max(initial=0) >= 2))
 
     @cached_property
     def _branches(self) -> list[_Branch]:
-        """The function of each bench, the same one for benches of one spacing whose states it connects at the start."""
+        """The function of each bench; benches of one spacing that it connects share it."""
         found: dict[int, _Branch] = {}
         rest = np.arange(self._spacings.size)
         while rest.size:
-            bench, others = rest[0], rest[self._spacings[rest] == self._spacings[rest[0]]]
-            branch = _Branch(
-                self._curve, *map(float, (self._spacings[bench], *self.start[bench : bench + 2]))
-            )
+            bench = rest[0]
+            spacing = float(self._spacings[bench])
+            branch = _Branch(self._curve, spacing, *self.start[bench : bench + 2].tolist())
+            others = rest[self._spacings[rest] == spacing]
             fronts = self.start[others]
             branch.cover(fronts.min(), fronts.max())
-            same = np.abs(branch.rear(fronts) - self.start[others + 1]) <= _SAME
+            rears = self.start[others + 1]
+            same = np.abs(branch.rear(fronts) - rears) <= _SAME
             shared = others[same | (others == bench)]
             found |= dict.fromkeys(shared.tolist(), branch)
             rest = np.setdiff1d(rest, shared)
@@ -156,8 +174,12 @@ class Continuation:
         """Coordinates (T, handles), computed bench by bench."""
         handles_s = np.full((heads.size, handles), np.nan)
         handles_s[:, 0] = heads
-        lows, highs = np.minimum(heads, self._head), np.maximum(heads, self._head)
-        spacings, done = self._spacings[: handles - 1], np.zeros(heads.size, dtype=bool)
+        # Range of the handle since the start.
+        lows = np.minimum(heads, self._head)
+        highs = np.maximum(heads, self._head)
+        spacings = self._spacings[: handles - 1]
+        done = np.zeros(heads.size, dtype=bool)
+
         for i, branch in enumerate(self._branches[: handles - 1]):
             rows = np.flatnonzero(~done & ~np.isnan(handles_s[:, i]))
             gentle = self._gentle(lows[rows], highs[rows], spacings[i:])
@@ -171,34 +193,40 @@ class Continuation:
             rears = branch.rear(fronts)
             known = (self.start[i], self.start[i + 1]), (fronts, rears)
             lows[rows], highs[rows] = branch.image(lows[rows], highs[rows], known)
-            handles_s[rows, i + 1] = np.where(np.isnan(lows[rows] + highs[rows]), np.nan, rears)
+            lost = np.isnan(lows[rows] + highs[rows])
+            handles_s[rows, i + 1] = np.where(lost, np.nan, rears)
         return handles_s
 
     def _fill_rest(self, handles_s: Array, rows: NDArray[np.intp], i: int, lows: Array) -> None:
-        """Compute the handles behind handle `i` by `Curve.chain`; nan for those that were pushed beyond the begin."""
-        fronts, low = handles_s[rows, i], lows[rows]
+        """Compute the handles behind `i` by `Curve.chain`; nan if pushed beyond the begin."""
+        fronts = handles_s[rows, i]
+        low = lows[rows]
         spacings = self._spacings[i : handles_s.shape[1] - 1]
         handles_s[rows, i:] = self._curve.chain(fronts, spacings)
         lower = np.flatnonzero((low < fronts) & (low < self.start[i]))
         if lower.size:
             lost = np.isnan(self._curve.chain(low[lower], spacings))
-            handles_s[rows[lower], i:] = np.where(lost, np.nan, handles_s[rows[lower], i:])
+            rows = rows[lower]
+            handles_s[rows, i:] = np.where(lost, np.nan, handles_s[rows, i:])
 
 
 class _Branch:
-    """Rear handle's coordinate of a bench as a function of the front handle's, as far as it is continuous."""
+    """Rear handle's coordinate of a bench as a continuous function of the front handle's."""
 
     def __init__(self, curve: Curve, chord: float, front: float, rear: float) -> None:
-        self._curve, self._chord, self._start = curve, chord, (front, rear)
+        self._curve = curve
+        self._chord = chord
+        self._start = (front, rear)
         # By direction: the state reached last, None where the function ends, and the cells, each
         # with the coordinate at which it ends and a bracket of the rear handle's. A cell includes
         # the end that is farther from the start: at the other one, the cell before it is known
         # already. So more cells never change what is found.
         self._tips: dict[int, tuple[float, float] | None] = {-1: self._start, 1: self._start}
         self._cells: dict[int, list[tuple[float, float, float]]] = {-1: [], 1: []}
-        # Coordinates of both handles at reversals; fronts between which there may be one, and how
-        # far two of them there may move the rear handle, m.
+        # Coordinates of both handles at reversals.
         self._reversals: list[tuple[float, float]] = []
+        # Fronts between which there may be one, and how far two of them there may move the rear
+        # handle, m.
         self._possible_reversals: list[tuple[float, float, float]] = []
         self._join()
 
@@ -214,24 +242,29 @@ class _Branch:
 
     def rear(self, fronts: Array) -> Array:
         """Coordinates (T,) of the rear handle, m; nan outside of what is covered."""
-        edges, start = self._edges, self._start[0]
+        edges = self._edges
         # The bracket of the start stands between those of the cells to its left and to its right.
         cells = np.searchsorted(edges, fronts, side="left")
-        left = fronts < start
+        left = fronts < self._start[0]
         cells[left] = np.searchsorted(edges, fronts[left], side="right") - 1
         inside = (fronts >= edges[0]) & (fronts <= edges[-1])
         low, high = self._brackets[np.clip(cells, 0, len(edges) - 1)].T
+
+        # A gentle cell has no bracket.
+        gentle = np.isnan(low)
         shortest, longest, _ = gentle_offsets(self._curve, fronts, self._chord)
-        shortest = np.where(np.isnan(low), shortest, fronts - high)
-        longest = np.where(np.isnan(low), longest, fronts - low)
-        return rear_between(
-            self._curve, fronts, self._chord, np.where(inside, shortest, np.nan), longest
-        )
+        shortest = np.where(gentle, shortest, fronts - high)
+        longest = np.where(gentle, longest, fronts - low)
+        shortest = np.where(inside, shortest, np.nan)
+        return rear_between(self._curve, fronts, self._chord, shortest, longest)
 
     def image(
-        self, lows: Array, highs: Array, known: tuple[tuple[Array, Array], ...]
+        self, lows: Array, highs: Array, known: Iterable[tuple[Array, Array]]
     ) -> tuple[Array, Array]:
-        """Lowest and highest rear coordinates (T,) for fronts from `lows` to `highs`; nan where the function ends."""
+        """Lowest and highest rear coordinates (T,) for fronts from `lows` to `highs`.
+
+        They are nan where the function ends. Pairs of fronts and rears are `known`.
+        """
         self.cover(lows.min(), highs.max())
         fronts = np.stack([lows, highs])
         rears = np.full(fronts.shape, np.nan)
@@ -240,37 +273,37 @@ class _Branch:
         missing = np.isnan(rears)
         if missing.any():
             rears[missing] = self.rear(fronts[missing])
-        low, high = np.minimum(*rears), np.maximum(*rears)
+        low = np.minimum(*rears)
+        high = np.maximum(*rears)
         for front_s, rear_s in self._reversals:
             passed = np.where((lows < front_s) & (front_s < highs), rear_s, low)
-            low, high = np.minimum(low, passed), np.maximum(high, passed)
+            low = np.minimum(low, passed)
+            high = np.maximum(high, passed)
         return low, high
 
     def hidden(self, lows: Array, highs: Array) -> Array:
-        """How far reversals may move the rear handle while the front is between `lows` and `highs` (T,), m, or 0."""
+        """How far reversals may move the rear handle for fronts from `lows` to `highs` (T,), m."""
         self.cover(lows.min(), highs.max())
         found = np.zeros(lows.shape)
         for low, high, hidden in self._possible_reversals:
             # A cell that is only touched adds nothing, so it does not matter whether it is known.
-            found = np.where((lows < high) & (highs > low), np.maximum(found, hidden), found)
+            passed = (lows < high) & (highs > low)
+            found = np.where(passed, np.maximum(found, hidden), found)
         return found
 
     def _join(self) -> None:
         """Join the cells of both directions into arrays."""
-        left, right = self._cells[-1][::-1], self._cells[1]
-        self._edges = np.array(
-            [*(cell[0] for cell in left), self._start[0], *(cell[0] for cell in right)]
-        )
-        known = self._start[1], self._start[1]
-        self._brackets = np.array(
-            [*(cell[1:] for cell in left), known, *(cell[1:] for cell in right)]
-        )
+        front, rear = self._start
+        cells = np.array([*self._cells[-1][::-1], (front, rear, rear), *self._cells[1]])
+        self._edges = cells[:, 0]
+        self._brackets = cells[:, 1:]
 
     def _extended(
         self, front: float, rear: float, direction: int, aim: float
     ) -> tuple[float, float] | None:
-        """Append gentle cells up to the one with `aim`, or one cell that is proven; the state at the end."""
-        cells, end = self._cells[direction], self._gentle_run(front, rear, direction, aim)
+        """Append gentle cells up to `aim`, or one proven cell; the state at the end."""
+        cells = self._cells[direction]
+        end = self._gentle_run(front, rear, direction, aim)
         if end != front:
             if cells and np.isnan(cells[-1][1]):
                 # One cell, however many calls it took to get to its end.
@@ -278,24 +311,23 @@ class _Branch:
             cells.append((end, np.nan, np.nan))
             rear = float(rear_handle(self._curve, np.array([end]), self._chord)[0])
             return None if np.isnan(rear) else (end, rear)
+
         last = self._curve.end_s if direction > 0 else self._curve.begin_s
         growth = self._growth(front, rear)
         step, half, hidden = self._step(front, rear, growth, direction)
         step = min(step, abs(last - front))
-        shortest = max(_SHORTEST * self._chord, 4 * float(np.spacing(abs(front))))
+        rounding = 4 * float(np.spacing(abs(front)))
+        shortest = max(_SHORTEST * self._chord, rounding)
+        bracket = rear - half, rear + half
         while step > shortest and len(cells) < _MAX_CELLS:
-            bracket = rear - half, rear + half
             following = front + direction * step
-            fronts = np.array([following])
-            low, high = fronts - bracket[1], fronts - bracket[0]
-            there = float(rear_between(self._curve, fronts, self._chord, low, high)[0])
+            there = float(self._rears(np.array([following]), bracket)[0])
             if not np.isnan(there):
+                low, high = sorted((front, following))
                 if hidden:
-                    self._possible_reversals.append(
-                        (min(front, following), max(front, following), hidden)
-                    )
+                    self._possible_reversals.append((low, high, hidden))
                 if (growth[0] >= 0) != (self._growth(following, there)[0] >= 0):
-                    self._reversals.append(self._reversal(front, following, bracket))
+                    self._reversals.append(self._reversal(low, high, bracket))
                 cells.append((following, *bracket))
                 return following, there
             # The rear handle is before the begin of the curve.
@@ -303,21 +335,33 @@ class _Branch:
         return None
 
     def _gentle_run(self, front: float, rear: float, direction: int, aim: float) -> float:
-        """Where, from `front` on, a row of gentle cells of the grid ends; `front` itself if there is none."""
-        chord, curve = self._chord, self._curve
+        """Front at the end of a row of gentle cells of the grid; `front` if there is none."""
+        chord = self._chord
+        curve = self._curve
         cell = _GRID * chord
         first = np.floor(front / cell) if direction > 0 else np.ceil(front / cell)
+        # Rounding may leave nothing of the first cell.
         if ((first + direction) * cell - front) * direction <= 0:
             first += direction
-        count = int(min(_GRID_CELLS, np.ceil(abs(aim - front) / cell) + 1))
+
+        needed = np.ceil(abs(aim - front) / cell) + 1
+        count = int(min(_GRID_CELLS, needed))
         edges = (first + direction * np.arange(count + 1)) * cell
-        lows, highs = np.minimum(edges[:-1], edges[1:]), np.maximum(edges[:-1], edges[1:])
+        lows = np.minimum(edges[:-1], edges[1:])
+        highs = np.maximum(edges[:-1], edges[1:])
         gentle = curve.max_curvature(lows - np.pi / 2 * chord, highs) * chord < 2
         number = count if gentle.all() else int(np.argmin(gentle))
+
         # On another branch the rear handle is further away.
-        if number == 0 or front - rear > gentle_offsets(curve, np.array([front]), chord)[1][0]:
+        _, longest, _ = gentle_offsets(curve, np.array([front]), chord)
+        if number == 0 or front - rear > longest[0]:
             return front
         return float(np.clip(edges[number], curve.begin_s, curve.end_s))
+
+    def _rears(self, fronts: Array, bracket: tuple[float, float]) -> Array:
+        """Coordinates (T,) of the rear handle within a bracket, m."""
+        low, high = bracket
+        return rear_between(self._curve, fronts, self._chord, fronts - high, fronts - low)
 
     def _growth(self, fronts: float | Array, rears: float | Array) -> Array:
         """A and B of the module's docstring, (2, ...)."""
@@ -327,19 +371,22 @@ class _Branch:
     def _step(
         self, front: float, rear: float, growth: Array, direction: int
     ) -> tuple[float, float, float]:
-        """Length and half height of a proven cell, both 0 at a fold; and what reversals in it may hide, m."""
+        """Length and half height of a proven cell, and what its reversals may hide, m; 0 at a fold."""
         ahead, behind = growth.tolist()
+        if behind <= 0:
+            return 0.0, 0.0, 0.0
+
         window = _WINDOW * self._chord
         others = np.array([front + direction * window, rear + window])
         curvature = self._curve.max_curvature(np.array([front, rear - window]), others)
+        # M_s and M_r, the half height p, and the positive root h of the module's inequality.
         own, other = (1 + curvature * (self._chord + 2 * window)).tolist()
-        if behind <= 0:
-            return 0.0, 0.0, 0.0
         half = min(window, behind / (2 * other))
-        room, slope = half * (behind - other * half), abs(ahead) + half
-        step = _SAFE * min(
-            2 * room / (slope + float(np.sqrt(slope**2 + 2 * own * room))), behind / 4, window
-        )
+        room = half * (behind - other * half)
+        slope = abs(ahead) + half
+        root = 2 * room / (slope + float(np.sqrt(slope**2 + 2 * own * room)))
+        step = _SAFE * min(root, behind / 4, window)
+
         # For each metre, A changes by no more than `own` and the rear handle's rate. B stays above
         # half of itself less the step, so that rate is at most 8 |A| / B as long as A keeps its
         # sign.
@@ -352,18 +399,15 @@ class _Branch:
         return step, half, 0.0 if step <= certain else 8 * change * step**2 / behind
 
     def _reversal(
-        self, front: float, other: float, bracket: tuple[float, float]
+        self, low: float, high: float, bracket: tuple[float, float]
     ) -> tuple[float, float]:
         """Coordinates of both handles where A = 0, between two fronts at which its signs differ."""
-        low, high = min(front, other), max(front, other)
         for _ in range(_PASSES):
             fronts = np.linspace(low, high, _SECTIONS)
-            rears = rear_between(
-                self._curve, fronts, self._chord, fronts - bracket[1], fronts - bracket[0]
-            )
+            rears = self._rears(fronts, bracket)
             forward = self._growth(fronts, rears)[0] >= 0
             change = int(np.argmax(forward != forward[0]))
             if change == 0:
                 break
-            low, high = float(fronts[change - 1]), float(fronts[change])
+            low, high = fronts[change - 1 : change + 1].tolist()
         return float(fronts[change]), float(rears[change])

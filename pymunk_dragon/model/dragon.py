@@ -1,4 +1,4 @@
-"""What marches: benches, holes and sizes; poses from handles, outlines from poses (paper, eq. 16-19)."""
+"""Benches, holes and sizes; poses from handles, outlines from poses (paper, eq. 16-19)."""
 
 from __future__ import annotations
 
@@ -19,20 +19,23 @@ _Sizes = float | Sequence[float]
 
 # Benches of the contest's dragon.
 _BENCHES = 223
-# A head and a tail; 16 km of dragon, which still fit into memory: more is taken for a typing error.
-_MIN_BENCHES, _MAX_BENCHES = 2, 10_000
+# A head and a tail.
+_MIN_BENCHES = 2
+# 16 km of dragon, which still fit into memory: more is taken for a typing error.
+_MAX_BENCHES = 10_000
 # m. Centimetres and millimetres given as metres are longer than the longest bench.
 _LENGTHS = 0.001, 100.0
-# m: of rectangles of any kind. The products of shorter sides would be zero.
+# m: sides of rectangles of any kind. The products of shorter sides would be zero.
 _SIDES = 1e-150, MAX_COORDINATE
-# Those in the paper's tables, beside the last one.
+# Handles in the paper's tables, beside the last one.
 _TABLE_HANDLES = (0, 1, 51, 101, 151, 201)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Dragon:
-    """A chain of benches, each hinged to the next through a hole near its end; by default the contest's (section 2.1).
+    """A chain of benches, each hinged to the next through a hole near its end.
 
+    By default it is the contest's (section 2.1).
     Handle i, from 0 to N, is the front hole of bench i; handle N is the rear hole of the tail.
 
     Parameters
@@ -43,7 +46,7 @@ class Dragon:
     head_spacing : float
         Distance between the two holes of the head, m, as all sizes from 0.001 to 100.
     body_spacing : float or sequence of float
-        The same of every other bench, m: of all, or of each, N - 1.
+        Distance between the two holes of every other bench, m: of all, or of each, N - 1.
     overhang : float or sequence of float
         From a hole's centre to the bench end beside it, m: of all benches, or of each, N. The
         overhangs of the benches before and after another one are together shorter than its spacing.
@@ -68,30 +71,29 @@ class Dragon:
         more = {"body_spacing": 1, "overhang": 0, "width": 0}
         name, benches = "benches", self.benches
         if benches is None:
-            counts = {
-                each: len(getattr(self, each)) + more[each]
-                for each in more
-                if _is_sequence(getattr(self, each))
-            }
-            name, benches = next(iter(counts.items()), (name, _BENCHES))
-            name = name if name == "benches" else f"number of benches by {name}"
-        object.__setattr__(self, "benches", whole(name, benches, _MIN_BENCHES, _MAX_BENCHES))
-        object.__setattr__(
-            self, "head_spacing", finite("head_spacing", self.head_spacing, *_LENGTHS, "m")
-        )
+            benches = _BENCHES
+            for each in more:
+                if _is_sequence(sizes := getattr(self, each)):
+                    name, benches = f"number of benches by {each}", len(sizes) + more[each]
+                    break
+        benches = whole(name, benches, _MIN_BENCHES, _MAX_BENCHES)
+        object.__setattr__(self, "benches", benches)
+        head_spacing = finite("head_spacing", self.head_spacing, *_LENGTHS, "m")
+        object.__setattr__(self, "head_spacing", head_spacing)
         for name, extra in more.items():
-            object.__setattr__(self, name, _sizes(name, getattr(self, name), self.benches - extra))
+            sizes = _sizes(name, getattr(self, name), benches - extra)
+            object.__setattr__(self, name, sizes)
+
         # At an end of the chain the bench replaces its missing neighbour.
         beside = np.pad(self.overhangs, 1, mode="edge")
         room = self.spacings - beside[:-2] - beside[2:]
         if room.min() <= 0:
             i = int(np.argmin(room))
+            spacing = self.spacings[i]
             if isinstance(self.overhang, float):
-                bound = f"less than half the shortest spacing, {self.spacings[i] / 2:g} m"
+                bound = f"less than half the shortest spacing, {spacing / 2:g} m"
                 raise ParameterError("overhang", self.overhang, bound)
-            bound = (
-                f"together less than the spacing of bench {i} between them, {self.spacings[i]:g} m"
-            )
+            bound = f"together less than the spacing of bench {i} between them, {spacing:g} m"
             raise ParameterError(f"overhang beside bench {i}", beside[[i, i + 2]].tolist(), bound)
 
     @property
@@ -101,14 +103,16 @@ class Dragon:
 
     @property
     def representatives(self) -> list[int]:
-        """The handles that the paper's tables show, as far as this dragon has them, and its last one."""
-        return [*(handle for handle in _TABLE_HANDLES if handle < self.benches), self.benches]
+        """The handles of the paper's tables that this dragon has, and its last one."""
+        known = [handle for handle in _TABLE_HANDLES if handle < self.benches]
+        return [*known, self.benches]
 
     @cached_property
     def spacings(self) -> Array:
         """Distance between the two holes of each bench, (N,), m."""
         spacings = np.empty(self.benches)
-        spacings[0], spacings[1:] = self.head_spacing, self.body_spacing
+        spacings[0] = self.head_spacing
+        spacings[1:] = self.body_spacing
         return read_only(spacings)
 
     @cached_property
@@ -128,38 +132,48 @@ class Dragon:
 
     @cached_property
     def has_equal_benches(self) -> bool:
-        """Whether all benches but the head have the same sizes: each then passes where the one before it passed."""
-        sizes = np.stack([self.spacings, self.overhangs, self.widths])[:, 1:]
-        return bool(np.all(sizes == sizes[:, :1]))
+        """Whether all benches but the head have the same sizes.
+
+        Each then passes where the one before it passed.
+        """
+        sizes = np.stack([self.spacings, self.overhangs, self.widths])
+        return bool(np.all(sizes[:, 1:] == sizes[:, 1:2]))
 
     def outlines(self, poses: ArrayLike) -> Array:
-        """Corners (..., M, 4, 2) in m of the first M benches, at `poses` (..., M, 3); see the function `outlines`."""
+        """Corners (..., M, 4, 2) in m of the first M benches at `poses` (..., M, 3).
+
+        The function `outlines` has their order.
+        """
         pose = self._poses("poses", poses)
-        return rectangles(pose, self.lengths[: pose.shape[-2]], self.widths[: pose.shape[-2]])
+        benches = pose.shape[-2]
+        return rectangles(pose, self.lengths[:benches], self.widths[:benches])
 
     def outlines_between(self, handles: Complex) -> Complex:
-        """The same (..., M, 4) between `handles` (..., M + 1), as complex numbers."""
+        """Corners (..., M, 4) of benches between `handles` (..., M + 1), as complex numbers."""
         points = np.atleast_1d(numbers("handles", handles, kind=complex))
         benches = whole("number of handles", points.shape[-1], 1, self.handles) - 1
         along = points[..., :-1] - points[..., 1:]
         centres = points[..., 1:] + along / 2
-        along = along * (self.lengths[:benches] / 2 / np.abs(along))
-        left = along * (1j * self.widths[:benches] / self.lengths[:benches])
+        lengths = self.lengths[:benches]
+        along = along * (lengths / 2 / np.abs(along))
+        left = along * (1j * self.widths[:benches] / lengths)
         return _rectangles(centres, along, left)
 
     def holes(self, poses: ArrayLike) -> tuple[Array, Array]:
         """Front and rear hole, each (..., N, 2) in m, of the benches at `poses` (..., N, 3)."""
         pose = self._poses("poses", poses, self.benches)
-        centres, half = as_complex(pose[..., :2]), self.spacings / 2 * _headings(pose)
+        centres = as_complex(pose[..., :2])
+        half = self.spacings / 2 * _headings(pose)
         return as_vectors(centres + half), as_vectors(centres - half)
 
     def hole_velocities(self, poses: ArrayLike, velocities: ArrayLike) -> tuple[Array, Array]:
-        """Velocities of both, each (..., N, 2) in m/s, from the rates of change (..., N, 3) of `poses`."""
+        """Velocities of both holes, each (..., N, 2) in m/s, for rates (..., N, 3) of `poses`."""
         rates = self._poses("velocities", velocities, self.benches)
         pose = self._poses("poses", poses, self.benches)
         fitting("poses and velocities", pose.shape, rates.shape)
         half = self.spacings / 2 * _headings(pose)
-        centres, turning = as_complex(rates[..., :2]), 1j * rates[..., 2] * half
+        centres = as_complex(rates[..., :2])
+        turning = 1j * rates[..., 2] * half
         return as_vectors(centres + turning), as_vectors(centres - turning)
 
     def _poses(self, name: str, value: ArrayLike, benches: int | None = None) -> Array:
@@ -168,49 +182,52 @@ class Dragon:
         count = poses.shape[-2] if poses.ndim > 1 else self.benches + 1
         if count > self.benches or benches not in (None, count):
             number = "at most " * (benches is None) + f"{self.benches}"
-            raise ParameterError(
-                f"the shape of {name}", poses.shape, f"(..., N, 3) of {number} benches"
-            )
+            bound = f"(..., N, 3) of {number} benches"
+            raise ParameterError(f"the shape of {name}", poses.shape, bound)
         return poses
 
 
 def bench_poses(handles: ArrayLike) -> Array:
-    """Centres in m and angles in rad, (..., N, 3), of benches from rear to front between `handles` (..., N + 1, 2)."""
+    """Poses (..., N, 3) of benches from rear to front between `handles` (..., N + 1, 2).
+
+    They are centres in m and angles in rad.
+    """
     holes = np.atleast_2d(numbers("handles", handles, 2))
-    front, rear = holes[..., :-1, :], holes[..., 1:, :]
+    front = holes[..., :-1, :]
+    rear = holes[..., 1:, :]
     along = front - rear
     angle = np.arctan2(along[..., 1], along[..., 0])
     return np.concatenate([(front + rear) / 2, angle[..., None]], axis=-1)
 
 
 def outlines(poses: ArrayLike, lengths: ArrayLike, width: ArrayLike) -> Array:
-    """Corners (..., N, 4, 2) of benches as rectangles, m, counter-clockwise from the rear right one (paper, eq. 16-19).
+    """Corners (..., N, 4, 2) of benches as rectangles, m (paper, eq. 16-19).
+
+    They are counter-clockwise from the rear right one.
 
     Parameters
     ----------
     poses : array_like, shape (..., N, 3)
         Centres in m and angles in rad.
-    lengths, width : array_like, shape (N,)
-        Length and width of each bench, m. The width may be one for all.
+    lengths : array_like, shape (N,)
+        Length of each bench, m.
+    width : float or array_like, shape (N,)
+        Width of all benches, or of each, m.
 
     Examples
     --------
     >>> outlines([[0, 0, 0]], [2.0], 1.0)[0].tolist()
     [[-1.0, -0.5], [1.0, -0.5], [1.0, 0.5], [-1.0, 0.5]]
     """
-    pose, length, across = (
-        numbers("poses", poses, 3),
-        numbers("lengths", lengths),
-        numbers("width", width),
-    )
-    within("lengths", length, *_SIDES, "m")
-    within("width", across, 0.0, MAX_COORDINATE, "m")
+    pose = numbers("poses", poses, 3)
+    length = within("lengths", numbers("lengths", lengths), *_SIDES, "m")
+    across = within("width", numbers("width", width), 0.0, MAX_COORDINATE, "m")
     fitting("poses, lengths and width", pose.shape[:-1], length.shape, across.shape)
     return rectangles(pose, length, across)
 
 
 def rectangles(poses: Array, lengths: Array, widths: Array) -> Array:
-    """What `outlines` returns, without checks: a side that is too short for a picture may be negative."""
+    """Corners as `outlines` has them, without checks: a short side may be negative."""
     along = _headings(poses) * lengths / 2
     left = along * (1j * widths / lengths)
     return as_vectors(_rectangles(as_complex(poses[..., :2]), along, left))
@@ -224,7 +241,9 @@ def pose_step(before: Array, after: Array) -> Array:
 
 
 def _is_sequence(value: object) -> bool:
-    return np.ndim(value) == 1 if isinstance(value, np.ndarray) else isinstance(value, list | tuple)
+    if isinstance(value, np.ndarray):
+        return value.ndim == 1
+    return isinstance(value, list | tuple)
 
 
 def _sizes(name: str, value: Any, count: int) -> _Sizes:
@@ -232,11 +251,11 @@ def _sizes(name: str, value: Any, count: int) -> _Sizes:
     if not _is_sequence(value):
         return finite(name, value, *_LENGTHS, "m")
     if len(value) != count:
-        bound = "a number from {:g} to {:g} m, or {} of them, one for each bench".format(
-            *_LENGTHS, count
-        )
+        low, high = _LENGTHS
+        bound = f"a number from {low:g} to {high:g} m, or {count} of them, one for each bench"
         raise ParameterError(name, value, bound)
-    return tuple(finite(f"{name}[{i}]", size, *_LENGTHS, "m") for i, size in enumerate(value))
+    sizes = enumerate(value)
+    return tuple(finite(f"{name}[{i}]", size, *_LENGTHS, "m") for i, size in sizes)
 
 
 def _headings(poses: Array) -> Complex:
@@ -247,7 +266,9 @@ def _headings(poses: Array) -> Complex:
 
 def _rectangles(centres: Complex, along: Complex, left: Complex) -> Complex:
     """Corners (..., 4) of rectangles from their centres and half their sides (...)."""
-    corners: Complex = np.empty((*np.broadcast_shapes(centres.shape, left.shape), 4), dtype=complex)
-    for k, corner in enumerate((-along - left, along - left, along + left, left - along)):
+    shape = np.broadcast_shapes(centres.shape, left.shape)
+    corners: Complex = np.empty((*shape, 4), dtype=complex)
+    offsets = (-along - left, along - left, along + left, left - along)
+    for k, corner in enumerate(offsets):
         np.add(centres, corner, out=corners[..., k])
     return corners

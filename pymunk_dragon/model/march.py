@@ -1,4 +1,4 @@
-"""Exact kinematics of a dragon on a curve: positions and velocities of its handles (paper, eq. 1-15)."""
+"""Exact kinematics of a dragon on a curve: its handles' motion (paper, eq. 1-15)."""
 
 from __future__ import annotations
 
@@ -25,8 +25,7 @@ from pymunk_dragon.model.speed import MAX_SPEED, MAX_TIME, MIN_SPEED, SpeedTable
 
 # m before the start. At this distance a double still resolves 0.1 nm.
 _MAX_RETREAT = 1e5
-# m between a curve's begin and the last handle of a dragon that starts there: a thousand rounding
-# errors.
+# m from a curve's begin to the last handle of a dragon that starts there: 1000 rounding errors.
 _CLEAR_OF_BEGIN = 1e-9
 # Share of a time, and s: sums of steps may be later than the end of the curve by some thousand
 # rounding errors.
@@ -42,7 +41,8 @@ class States(ArrayRecord):
     times : ndarray, shape (T,), s
     handles_s : ndarray, shape (T, H), m
         Arc-length coordinates of the handles.
-    positions, velocities : ndarray, shape (T, H, 2), m and m/s
+    positions : ndarray, shape (T, H, 2), m
+    velocities : ndarray, shape (T, H, 2), m/s
     speeds : ndarray, shape (T, H), m/s
         Magnitudes of the velocities.
 
@@ -68,39 +68,37 @@ class States(ArrayRecord):
         return f"States({self.handles_s.shape[1]} handles at {self.times.size} times{span})"
 
     def to_dict(self, handles: Sequence[int] | None = None) -> dict[str, Any]:
-        """Times, numbers of the `handles` (all by default), positions (T, H, 2) and speeds (T, H) as lists."""
+        """Times, numbers of the `handles` (all by default), positions and speeds as lists."""
         known = range(self.handles_s.shape[1])
-        given = numbers("handles", known if handles is None else handles, kind=int).ravel().tolist()
-        chosen = [whole("handles", handle, 0, known[-1]) for handle in given]
-        positions, speeds = self.positions[:, chosen].tolist(), self.speeds[:, chosen].tolist()
+        given = numbers("handles", known if handles is None else handles, kind=int)
+        chosen = [whole("handles", handle, 0, known[-1]) for handle in given.ravel().tolist()]
         return {
             "times": self.times.tolist(),
             "handles": chosen,
-            "positions": positions,
-            "speeds": speeds,
+            "positions": self.positions[:, chosen].tolist(),
+            "speeds": self.speeds[:, chosen].tolist(),
         }
 
     def rows(
         self, handles: Sequence[int] | None = None
     ) -> list[tuple[float, int, float, float, float]]:
-        """Time, handle, position and speed for every time and each of the `handles` (all by default)."""
-        found = self.to_dict(handles)
-        return [
-            (time, handle, x, y, speed)
-            for time, positions, speeds in zip(
-                found["times"], found["positions"], found["speeds"], strict=True
-            )
-            for handle, (x, y), speed in zip(found["handles"], positions, speeds, strict=True)
-        ]
+        """Time, handle, position and speed for every time and each of the `handles`."""
+        times, chosen, positions, speeds = self.to_dict(handles).values()
+        rows = []
+        for time, points, values in zip(times, positions, speeds, strict=True):
+            for handle, (x, y), speed in zip(chosen, points, values, strict=True):
+                rows.append((time, handle, x, y, speed))
+        return rows
 
     def text(self, handles: Sequence[int] | None = None) -> str:
         """Table of `rows`, as `positions` prints it."""
         heads = ("t (s)", text("handle"), "x (m)", "y (m)", text("speed (m/s)"))
-        # Adding 0 turns the -0.0 of a rounded tiny number into 0.0.
-        rows = [
-            (*row[:2], *(round(value, 6) + 0.0 for value in row[2:])) for row in self.rows(handles)
-        ]
-        return "\n".join(table(heads, ("10.6g", "6d", "10.6f", "10.6f", "11.6f"), rows))
+        formats = ("10.6g", "6d", "10.6f", "10.6f", "11.6f")
+        rows = []
+        for time, handle, *values in self.rows(handles):
+            # Adding 0 turns the -0.0 of a rounded tiny number into 0.0.
+            rows.append((time, handle, *(round(value, 6) + 0.0 for value in values)))
+        return "\n".join(table(heads, formats, rows))
 
     def __str__(self) -> str:
         return self.text()
@@ -113,8 +111,8 @@ class States(ArrayRecord):
     @cached_property
     def pose_velocities(self) -> Array:
         """Rate of change of `poses`, (T, N, 3): m/s, m/s, rad/s."""
-        velocities, positions = as_complex(self.velocities), as_complex(self.positions)
-        spin = (np.diff(velocities) / np.diff(positions)).imag
+        along = np.diff(as_complex(self.positions))
+        spin = (np.diff(as_complex(self.velocities)) / along).imag
         centres = (self.velocities[:, :-1] + self.velocities[:, 1:]) / 2
         return read_only(np.concatenate([centres, spin[..., None]], axis=-1))
 
@@ -129,9 +127,11 @@ class March:
         The chain of benches. All of it must fit on the curve at t = 0.
     curve : Curve
         The path of the handles. A spiral's pitch must be larger than the benches' width.
-    turns, start_s : float, optional
-        Turn of a spiral, or coordinate in m, at which handle 0 is at t = 0. By default turn 16; on
-        another curve the first coordinate at which the whole dragon is on the curve, or 0 if the
+    turns : float, optional
+        Turn of a spiral at which handle 0 is at t = 0, by default 16.
+    start_s : float, optional
+        Coordinate in m at which handle 0 is at t = 0, in place of `turns`. By default, on another
+        curve than a spiral, the first one at which the whole dragon is on the curve, or 0 if the
         curve comes from infinity.
     speed : float or SpeedTable
         Speed of handle 0, m/s, from 1e-6 to 20. `SpeedTable.of` makes a table of a function.
@@ -155,7 +155,8 @@ class March:
         required_curve("curve", self.curve)
         if not isinstance(self.speed, SpeedTable):
             object.__setattr__(self, "speed", self.speed_profile.speeds[0])
-        widest, turn_width = float(self.dragon.widths.max()), self.curve.turn_width
+        widest = float(self.dragon.widths.max())
+        turn_width = self.curve.turn_width
         if turn_width is not None and turn_width <= widest:
             raise ParameterError("pitch", turn_width, f"more than the width, {widest:g} m")
         self._check_start()
@@ -177,17 +178,17 @@ class March:
     def _misfit(self, handle: int) -> ParameterError:
         """Error for a march in which a handle has no coordinate at t = 0."""
         if self.turns is None:
-            bound = (
-                f"a coordinate with room for the whole dragon behind it: handle {handle} has none"
-            )
+            room = "a coordinate with room for the whole dragon behind it"
+            bound = f"{room}: handle {handle} has none"
             return ParameterError("start_s", self.head_start, bound)
         name = "head_spacing" if handle == 1 else "body_spacing"
-        bound = f"short enough for the curve at turn {self.turns:g}: handle {handle} has no coordinate there"
+        limit = f"short enough for the curve at turn {self.turns:g}"
+        bound = f"{limit}: handle {handle} has no coordinate there"
         return ParameterError(name, getattr(self.dragon, name), bound)
 
     @cached_property
     def head_start(self) -> float:
-        """Coordinate of handle 0 at t = 0, m; an error if the whole dragon has no room on the curve."""
+        """Coordinate of handle 0 at t = 0, m; an error if the curve has no room for the dragon."""
         if self.start_s is not None:
             return self.start_s
         if self.turns is not None:
@@ -196,10 +197,11 @@ class March:
             return min(0.0, self.curve.end_s)
         # The dragon from its tail on: its handles follow each other back along the reversed curve.
         tail = self.curve.begin_s + _CLEAR_OF_BEGIN
-        head = -float(Reversed(self.curve).chain([-tail], self.dragon.spacings[::-1])[0, -1])
+        handles_s = Reversed(self.curve).chain([-tail], self.dragon.spacings[::-1])
+        head = -float(handles_s[0, -1])
         if np.isnan(head):
-            length = self.curve.end_s - self.curve.begin_s
-            bound = f"one that takes the whole dragon: {length:g} m of it do not, or it turns back within a bench"
+            lack = f"{self.curve.end_s - self.curve.begin_s:g} m of it do not"
+            bound = f"one that takes the whole dragon: {lack}, or it turns back within a bench"
             raise ParameterError("curve", type(self.curve).__name__, bound)
         return head
 
@@ -209,15 +211,13 @@ class March:
         return float(self.time(self.curve.end_s - self.head_start))
 
     def span(self, start: float, until: float) -> tuple[float, float]:
-        """Range of coordinates that a picture of the curve shows, m: from its begin to its end, if it has these.
+        """Range of coordinates that a picture of the curve shows, m.
 
-        Else it begins with the last handle at `start` s, or at 0 s if that has none, and ends with
-        handle 0 at `until`.
+        It goes from the begin of the curve to its end, if it has these. Else it begins with the last
+        handle at `start` s, or at 0 s if that has none, and ends with handle 0 at `until`.
         """
-        start, until = (
-            finite(name, time, -np.inf, np.inf, "s")
-            for name, time in (("start", start), ("until", until))
-        )
+        start = finite("start", start, -np.inf, np.inf, "s")
+        until = finite("until", until, -np.inf, np.inf, "s")
         first, last = self.curve.begin_s, self.curve.end_s
         if first == -np.inf:
             tails = self.motion_or_nan([start, 0.0]).handles_s[:, -1]
@@ -233,11 +233,8 @@ class March:
         if isinstance(speed, SpeedTable):
             return speed
         if callable(speed):
-            raise ParameterError(
-                "speed",
-                speed,
-                "a number or a table: SpeedTable.of(function, start, until) makes one",
-            )
+            bound = "a number or a table: SpeedTable.of(function, start, until) makes one"
+            raise ParameterError("speed", speed, bound)
         return SpeedTable([0.0], [finite("speed", speed, MIN_SPEED, MAX_SPEED, "m/s")])
 
     @cached_property
@@ -246,9 +243,9 @@ class March:
         return Continuation(self.curve, self.head_start, self.dragon.spacings)
 
     def at_unit_speed(self) -> March:
-        """The same march at 1 m/s: its times are the distances travelled, m. It is not for use in another thread."""
+        """The same march at 1 m/s, not for use in another thread: its times are distances, m."""
         march = March(self.dragon, self.curve, start_s=self.head_start)
-        # Neither follows the curve again where the other one has.
+        # One continuation for both: no part of the curve is followed twice.
         vars(march)["continuation"] = self.continuation
         return march
 
@@ -270,80 +267,75 @@ class March:
         ended for a handle, an UnreachableError has the first such time, and the first such handle
         then.
         """
-        handles_s, points, tangents, rates = self.motion(times, handles)
+        handles_s, points, tangents, speeds = self.motion(times, handles)
         t = numbers("times", times).flatten()
         # Signed along the path: a head at more than a right angle to its bench pushes the rear
         # handle back.
-        rates *= self.speed_profile.at(t)[:, None]
-        tangents.real *= rates
-        tangents.imag *= rates
-        return States(
-            t, handles_s, as_vectors(points), as_vectors(tangents), np.abs(rates, out=rates)
-        )
+        speeds *= self.speed_profile.at(t)[:, None]
+        tangents.real *= speeds
+        tangents.imag *= speeds
+        np.abs(speeds, out=speeds)
+        return States(t, handles_s, as_vectors(points), as_vectors(tangents), speeds)
 
     def handles_s(self, times: ArrayLike, handles: int | None = None) -> Array:
-        """Arc-length coordinates (T, H) of the handles, m, with the arguments and errors of `at`."""
+        """Arc-length coordinates (T, H) of the handles, m: arguments and errors as for `at`."""
         return self.motion(times, handles).handles_s
 
     def motion(self, times: ArrayLike, handles: int | None = None) -> ChainMotion:
-        """Coordinates, positions, tangents and velocity ratios of the handles; arguments and errors as for `at`."""
+        """Coordinates, points, tangents and velocity ratios: arguments and errors as for `at`."""
         motion = self.motion_or_nan(times, handles)
         if np.isnan(motion.handles_s[:, -1]).any():
             raise self._unreachable(numbers("times", times).ravel(), motion.handles_s)
         return motion
 
     def motion_or_nan(self, times: ArrayLike, handles: int | None = None) -> ChainMotion:
-        """The same, with nan for handles that have no coordinate at a time, and for all behind them."""
-        t, travelled = self._travelled(times)
-        number = (
-            self.dragon.handles
-            if handles is None
-            else whole("handles", handles, 1, self.dragon.handles)
-        )
-        heads = self.head_start + travelled
-        beyond = heads > self.curve.end_s
-        if beyond.any():
-            # Not past the end by rounding.
-            heads[beyond] = np.where(t[beyond] <= self.end, self.curve.end_s, np.nan)
-        return self.continuation.motion(heads, number)
-
-    def speeds_by_difference(self, times: ArrayLike, step: float) -> Array:
-        """Speeds (T, H), m/s, by the paper's forward difference over `step` s (eq. 15); the curve must be a spiral."""
-        positive("step", step, np.inf, "s")
-        t, curve = numbers("times", times).ravel(), self.curve
-        if not isinstance(curve, Spiral):
-            raise ParameterError("curve", type(curve).__name__, "a Spiral, which has polar angles")
-        now, later = curve.angle(self.handles_s(t)), curve.angle(self.handles_s(t + step))
-        return np.asarray(curve.k * np.hypot(now, 1) * np.abs(later - now) / step)
-
-    def _travelled(self, times: ArrayLike) -> tuple[Array, Array]:
-        """A copy of `times` as an array (T,) in s, and the distances (T,) then, m."""
+        """As `motion`, with nan for handles that have no coordinate, and for all behind them."""
         t = numbers("times", times).flatten()
         travelled = self.distance(t)
         bad = ~(np.isfinite(t) & (travelled >= -_MAX_RETREAT))
         if bad.any():
             earliest = float(self.time(-_MAX_RETREAT))
-            raise ParameterError(
-                "times", t[bad][0].item(), f"finite numbers, at least {earliest:g} s"
-            )
-        return t, travelled
+            bound = f"finite numbers, at least {earliest:g} s"
+            raise ParameterError("times", t[bad][0].item(), bound)
+
+        most = self.dragon.handles
+        number = most if handles is None else whole("handles", handles, 1, most)
+        heads = self.head_start + travelled
+        beyond = heads > self.curve.end_s
+        if beyond.any():
+            # Rounding may put a head past the end.
+            heads[beyond] = np.where(t[beyond] <= self.end, self.curve.end_s, np.nan)
+        return self.continuation.motion(heads, number)
+
+    def speeds_by_difference(self, times: ArrayLike, step: float) -> Array:
+        """Speeds (T, H), m/s, on a spiral by a forward difference over `step` s (paper, eq. 15)."""
+        positive("step", step, np.inf, "s")
+        t = numbers("times", times).ravel()
+        curve = self.curve
+        if not isinstance(curve, Spiral):
+            raise ParameterError("curve", type(curve).__name__, "a Spiral, which has polar angles")
+        now = curve.angle(self.handles_s(t))
+        later = curve.angle(self.handles_s(t + step))
+        return np.asarray(curve.k * np.hypot(now, 1) * np.abs(later - now) / step)
 
     def _unreachable(self, times: Array, handles_s: Array) -> UnreachableError:
-        """Error for the first time at which a handle has no coordinate, and the first such handle then."""
+        """Error for the first time at which a handle has no coordinate, and the first such one."""
         lost = np.isnan(handles_s)
         affected = np.flatnonzero(lost[:, -1])
         row = affected[times[affected].argmin()]
-        handle, begin = int(lost[row].argmax()), self.curve.begin_s
+        handle = int(lost[row].argmax())
         if handle == 0:
-            word, limit = (
-                ("begins", begin) if self.distance(times[row]) < 0 else ("ends", self.curve.end_s)
-            )
-            reason = f"the curve {word} at t = {float(self.time(limit - self.head_start)):.6g} s"
+            verb, limit = "ends", self.curve.end_s
+            if self.distance(times[row]) < 0:
+                verb, limit = "begins", self.curve.begin_s
+            then = float(self.time(limit - self.head_start))
+            reason = f"the curve {verb} at t = {then:.6g} s"
         else:
-            spacing, front = self.dragon.spacings[handle - 1], handles_s[row, handle - 1]
+            spacing = self.dragon.spacings[handle - 1]
             reason = f"the curve bends too tightly for a spacing of {spacing:g} m"
-            if front - begin < spacing:
-                reason = f"the curve begins less than a spacing of {spacing:g} m behind handle {handle - 1}"
+            if handles_s[row, handle - 1] - self.curve.begin_s < spacing:
+                near = f"less than a spacing of {spacing:g} m"
+                reason = f"the curve begins {near} behind handle {handle - 1}"
         return UnreachableError(float(times[row]), handle, reason)
 
 
@@ -354,9 +346,10 @@ def check_march(value: object) -> None:
 
 
 def checked_times(march: March, start: float, until: float | None) -> tuple[float, float]:
-    """Both as floats; a `ParameterError` if `until` is not after `start`.
+    """`start` and `until` as floats; a `ParameterError` if `until` is not after `start`.
 
-    By default, and where it is later than that by rounding only, `until` is the end of the curve.
+    By default, and where `until` is later than the end of the curve by rounding only, it is the
+    end.
     """
     check_march(march)
     start = finite("start", start, -MAX_TIME, MAX_TIME, "s")
@@ -364,13 +357,12 @@ def checked_times(march: March, start: float, until: float | None) -> tuple[floa
         if march.end == np.inf:
             raise ParameterError("until", None, "a time, s, on a curve without end")
         if start >= march.end:
-            raise ParameterError(
-                "start", start, f"earlier than the end of the curve, {march.end:g} s"
-            )
+            bound = f"earlier than the end of the curve, {march.end:g} s"
+            raise ParameterError("start", start, bound)
         return start, march.end
+
     until = finite("until", until, -MAX_TIME, MAX_TIME, "s")
     if until <= start:
         raise ParameterError("until", until, f"later than the start, {start:g} s")
-    if until > march.end and math.isclose(until, march.end, rel_tol=_SAME_TIME, abs_tol=_SAME_TIME):
-        return start, march.end
-    return start, until
+    same = math.isclose(until, march.end, rel_tol=_SAME_TIME, abs_tol=_SAME_TIME)
+    return start, min(until, march.end) if same else until

@@ -56,11 +56,14 @@ _KINDS: dict[str, Any] = {
 # s: the least time between frames whose difference is a velocity. A rounding error of a position,
 # 1e-14 m, changes the velocity by 1e-7 m/s, as an acceleration of 1 m/s^2 does in this time.
 _LEAST_DIFFERENCE = 1e-7
-# Name and version of the format of files, the only one that is read.
-_FORMAT, _FORMAT_VERSION = "pymunk_dragon run", 3
-# Bytes that a file may unpack to, or this many times its size: packing makes callbacks ten times
-# smaller.
-_MAX_UNPACKED, _MAX_RATIO = 512_000_000, 10
+# Name of the format of files.
+_FORMAT = "pymunk_dragon run"
+# Version of the format, the only one that is read.
+_FORMAT_VERSION = 3
+# Bytes that any file may unpack to.
+_MAX_UNPACKED = 512_000_000
+# Times its size that a file may unpack to: packing makes callbacks ten times smaller.
+_MAX_RATIO = 10
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -86,8 +89,10 @@ class Run(ArrayRecord):
         that are less than 1e-7 s apart have the same.
     joint_forces : ndarray, shape (F, N - 1), optional
         Mean force in pivot i, of benches i and i + 1, in the substep that ended at the frame, N.
-    events, first_contact : ContactLog and Contact, optional
-        Every collision callback, and the first contact of benches that are not neighbours.
+    events : ContactLog, optional
+        Every collision callback.
+    first_contact : Contact, optional
+        First contact of benches that are not neighbours.
     outcome : {"contact", "clear", "unreachable"}
         Whether a contact came, none came until the end, or the curve ended first.
     provenance : mapping
@@ -95,8 +100,10 @@ class Run(ArrayRecord):
         "exact"), `guide`, `settings` (an `EngineSettings`), `start` in s, number of `substeps`,
         `versions` of Python and libraries; and `free_from`, the first of the benches that no guide
         holds on the path, None if all are held.
-    wall_seconds, step_seconds : float, optional
-        Duration of the stepping loop, and of the engine's steps in it, s. They are not saved.
+    wall_seconds : float, optional
+        Duration of the stepping loop, s. It is not saved.
+    step_seconds : float, optional
+        Duration of the engine's steps in the loop, s. It is not saved.
 
     Examples
     --------
@@ -133,47 +140,21 @@ class Run(ArrayRecord):
     def __post_init__(self) -> None:
         check_march(self.march)
         times = numbers("times", self.times)
-        if times.ndim != 1 or not (
-            times.size and np.isfinite(times).all() and np.all(np.diff(times) > 0)
-        ):
+        is_finite = times.size and np.isfinite(times).all()
+        if times.ndim != 1 or not is_finite or (np.diff(times) <= 0).any():
             raise ParameterError("times", self.times, "finite and rising, one or more")
         # A film or a report of the run needs states of the march at these times.
         finite("times", float(times[-1]), -MAX_TIME, MAX_TIME, "s")
         self.march.motion_or_nan(times[:1])
         if self.pose_velocities is None:
-            object.__setattr__(
-                self, "pose_velocities", _differences(times, numbers("poses", self.poses, 3))
-            )
-        frames, benches = times.size, self.march.dragon.benches
-        shapes = [
-            (frames,),
-            (frames, benches, 3),
-            (frames, benches),
-            (frames, benches, 3),
-            (frames, benches - 1),
-        ]
-        for (name, kind), shape in zip(_KINDS.items(), shapes, strict=True):
+            rates = _differences(times, numbers("poses", self.poses, 3))
+            object.__setattr__(self, "pose_velocities", rates)
+        for name in _KINDS:
             if name != "joint_forces" or self.joint_forces is not None:
-                array = numbers(name, getattr(self, name))
-                if array.shape != shape:
-                    raise ParameterError(
-                        f"the shape of a run's {name}", array.shape, f"{shape}, as its march has"
-                    )
-                # The drift is a distance of two poses, or nan where the model has none.
-                limit = {"poses": MAX_COORDINATE, "drift": 3 * MAX_COORDINATE}.get(
-                    name, np.finfo(kind).max
-                )
-                if not ((np.abs(array) <= limit) | (np.isnan(array) & (name == "drift"))).all():
-                    raise ParameterError(name, array, f"finite and within {limit:g}")
-                # A copy, because the caller may change the array.
-                object.__setattr__(self, name, read_only(np.array(array, dtype=kind)))
-        object.__setattr__(
-            self,
-            "events",
-            ContactLog(
-                instances("events", self.events, ContactEvent, "a sequence of ContactEvents")
-            ),
-        )
+                object.__setattr__(self, name, self._checked(name, times.size))
+
+        events = instances("events", self.events, ContactEvent, "a sequence of ContactEvents")
+        object.__setattr__(self, "events", ContactLog(events))
         instance("first_contact", self.first_contact, Contact | NoneType, "a Contact or None")
         for name in ("wall_seconds", "step_seconds"):
             if getattr(self, name) is not None:
@@ -182,29 +163,51 @@ class Run(ArrayRecord):
         instance("provenance", self.provenance, Mapping, "a mapping of JSON values")
         try:
             # A copy, and lists for tuples, as in a file.
-            object.__setattr__(self, "provenance", json.loads(json.dumps(dict(self.provenance))))
+            provenance = json.loads(json.dumps(dict(self.provenance)))
         except (TypeError, ValueError) as error:
-            raise ParameterError(
-                "provenance", self.provenance, f"a mapping of JSON values ({error})"
-            ) from error
-        for name, value in _attributes(self.provenance, self.march, float(self.times[0])).items():
+            bound = f"a mapping of JSON values ({error})"
+            raise ParameterError("provenance", self.provenance, bound) from error
+        attributes = _attributes(provenance, self.march, float(self.times[0]))
+        for name, value in {"provenance": provenance, **attributes}.items():
             object.__setattr__(self, name, value)
+
+    def _checked(self, name: str, frames: int) -> Array:
+        """A read-only copy of an array of a run, whose caller may change the array."""
+        benches = self.march.dragon.benches
+        shapes = {
+            "times": (frames,),
+            "drift": (frames, benches),
+            "joint_forces": (frames, benches - 1),
+        }
+        shape = shapes.get(name, (frames, benches, 3))
+        array = numbers(name, getattr(self, name))
+        if array.shape != shape:
+            bound = f"{shape}, as its march has"
+            raise ParameterError(f"the shape of a run's {name}", array.shape, bound)
+
+        # The drift is a distance of two poses, or nan where the model has none.
+        limits = {"poses": MAX_COORDINATE, "drift": 3 * MAX_COORDINATE}
+        limit = limits.get(name, np.finfo(_KINDS[name]).max)
+        right = np.abs(array) <= limit
+        if name == "drift":
+            right |= np.isnan(array)
+        if not right.all():
+            raise ParameterError(name, array, f"finite and within {limit:g}")
+        return read_only(np.array(array, dtype=_KINDS[name]))
 
     def __repr__(self) -> str:
         frames = f"{len(self.times)} frames from {self.times[0]:g} s to {self.times[-1]:g} s"
         return f"Run({self.march.dragon.benches} benches, {frames}, {self.outcome})"
 
     def __str__(self) -> str:
-        touch, until = self.first_contact, float(self.times[-1])
+        touch = self.first_contact
+        until = float(self.times[-1])
         if touch is not None:
             status = "overlapping" if touch.time <= self.start else self.outcome
             lines = [contact_text(status, touch.benches, touch.point, touch.time)]
         elif self.player == "exact":
-            lines = [
-                text("exact model until t = {t:.6g} s, without a search for contacts").format(
-                    t=until
-                )
-            ]
+            line = text("exact model until t = {t:.6g} s, without a search for contacts")
+            lines = [line.format(t=until)]
         else:
             lines = [contact_text(self.outcome, None, None, until)]
         if self.player != "exact":
@@ -219,8 +222,9 @@ class Run(ArrayRecord):
         return "\n".join(lines)
 
     def to_dict(self) -> dict[str, Any]:
-        """Result of the run as JSON values in SI units, as `simulate --json` prints it; None for what is unknown.
+        """Result of the run as JSON values in SI units, as `simulate --json` prints it.
 
+        Unknown values are None.
         `driver_overhead` is the time of the stepping loop outside the engine over that inside.
         """
         wall, stepping = self.wall_seconds, self.step_seconds
@@ -272,9 +276,9 @@ class Run(ArrayRecord):
         return float(np.fmax.reduce(self.drift, axis=None, initial=np.nan))
 
     def poses_at(self, times: ArrayLike) -> Array:
-        """Poses (T, N, 3) at any times, s: m, m, rad. Before and after the run, those of its first and last frame.
+        """Poses (T, N, 3) at any times, s: m, m, rad.
 
-        Between two frames, they are cubic Hermite polynomials of time. But for an impact between
+        Before and after the run, they are those of its first and last frame. Between two frames, they are cubic Hermite polynomials of time. But for an impact between
         them, their error is at most the interval to the fourth times the fourth derivative over
         384: 0.02 um on a turn of 2.3 m radius.
         """
@@ -288,23 +292,31 @@ class Run(ArrayRecord):
         t = numbers("times", times).ravel()
         if np.isnan(t).any():
             raise ParameterError("times", math.nan, "numbers")
-        t = np.clip(t, self.times[0], self.times[-1])
-        last = len(self.times) - 1
-        after = np.clip(np.searchsorted(self.times, t), min(1, last), last)
+        times = self.times
+        t = np.clip(t, times[0], times[-1])
+        last = len(times) - 1
+        after = np.clip(np.searchsorted(times, t), min(1, last), last)
         before = np.maximum(after - 1, 0)
-        h = (self.times[after] - self.times[before])[:, None, None]
+        h = (times[after] - times[before])[:, None, None]
         # A run of one frame has no time between two.
         divisor = np.where(h > 0, h, 1.0)
-        s = np.clip((t - self.times[before])[:, None, None] / divisor, 0.0, 1.0)
-        start, step = self.poses[before], pose_step(self.poses[before], self.poses[after])
-        v0, v1 = self.pose_velocities[before], self.pose_velocities[after]
-        poses = start + s * s * (3 - 2 * s) * step + h * s * (1 - s) * ((1 - s) * v0 - s * v1)
-        return poses, 6 * s * (1 - s) * step / divisor + (1 - s) * (1 - 3 * s) * v0 + s * (
-            3 * s - 2
-        ) * v1
+        s = (t - times[before])[:, None, None] / divisor
+        s = np.clip(s, 0.0, 1.0)
+
+        start = self.poses[before]
+        step = pose_step(start, self.poses[after])
+        v0 = self.pose_velocities[before]
+        v1 = self.pose_velocities[after]
+        bulge = h * s * (1 - s) * ((1 - s) * v0 - s * v1)
+        poses = start + s * s * (3 - 2 * s) * step + bulge
+        rates = 6 * s * (1 - s) * step / divisor
+        rates = rates + (1 - s) * (1 - 3 * s) * v0
+        return poses, rates + s * (3 * s - 2) * v1
 
     def save(self, path: str | Path | IO[bytes]) -> None:
-        """Write the run to a path that ends in .npz, or an open file; an interrupted save leaves the old file or none.
+        """Write the run to a path that ends in .npz, or an open file.
+
+        An interrupted save leaves the old file or none.
 
         Examples
         --------
@@ -323,17 +335,13 @@ class Run(ArrayRecord):
             "events": [asdict(event) for event in self.events],
             "provenance": dict(self.provenance),
         }
-        contents: dict[str, Any] = {
-            "notes": np.frombuffer(json.dumps(notes).encode(), dtype=np.uint8)
-        }
-        contents |= {
-            name: getattr(self, name) for name in _KINDS if getattr(self, name) is not None
-        }
+        contents: dict[str, Any] = {"notes": np.frombuffer(json.dumps(notes).encode(), dtype=np.uint8)}
+        for name in _KINDS:
+            if getattr(self, name) is not None:
+                contents[name] = getattr(self, name)
         if isinstance(path, str | Path):
-            with (
-                written_in_place(check_destination(path, [".npz"])) as draft,
-                draft.open("wb") as file,
-            ):
+            destination = check_destination(path, [".npz"])
+            with written_in_place(destination) as draft, draft.open("wb") as file:
                 np.savez_compressed(file, **contents)
         elif hasattr(path, "write"):
             np.savez_compressed(path, **contents)
@@ -342,23 +350,26 @@ class Run(ArrayRecord):
 
     @classmethod
     def load(cls, path: str | Path) -> Run:
-        """Read a run that `save` wrote; a file that is damaged or of another format raises a FileFormatError."""
+        """Read a run that `save` wrote; a file that is no such run raises a FileFormatError."""
         with _opened(path) as (notes, stored):
+            arrays: Any = {}
+            for name, kind in _KINDS.items():
+                if name != "joint_forces" or name in stored:
+                    arrays[name] = stored[name]
+                    if arrays[name].dtype != kind:
+                        raise DragonError(f"its {name} are not of the type {kind.__name__}")
+
             march = Scenario.from_dict(notes["scenario"], files=False).march()
-            first, benches = notes["first_contact"], march.dragon.benches
-            arrays: Any = {
-                name: stored[name] for name in _KINDS if name != "joint_forces" or name in stored
-            }
-            for name in arrays:
-                if arrays[name].dtype != _KINDS[name]:
-                    raise DragonError(f"its {name} are not of the type {_KINDS[name].__name__}")
+            benches = march.dragon.benches
+            events = [read_contact(ContactEvent, event, benches) for event in notes["events"]]
+            first = notes["first_contact"]
+            if first is not None:
+                first = read_contact(Contact, first, benches)
             return cls(
                 march=march,
                 **arrays,
-                events=ContactLog(
-                    read_contact(ContactEvent, event, benches) for event in notes["events"]
-                ),
-                first_contact=None if first is None else read_contact(Contact, first, benches),
+                events=ContactLog(events),
+                first_contact=first,
                 outcome=notes["outcome"],
                 provenance=dict(notes["provenance"]),
             )
@@ -366,9 +377,9 @@ class Run(ArrayRecord):
 
 @contextmanager
 def _opened(path: str | Path) -> Iterator[tuple[dict[str, Any], Mapping[str, NDArray[Any]]]]:
-    """Notes and arrays in a file that `Run.save` wrote; what is raised inside is the fault of its contents."""
+    """Notes and arrays in a file that `Run.save` wrote; its contents cause all errors inside."""
     try:
-        file = Path(path).open("rb")  # noqa: SIM115 (closed below, where what is wrong is the content)
+        file = Path(path).open("rb")  # noqa: SIM115 (closed below, where the content is wrong)
     except (OSError, ValueError, TypeError) as error:
         reason = (isinstance(error, OSError) and error.strerror) or error
         raise ParameterError("run", str(path), f"a readable file ({reason})") from error
@@ -383,9 +394,8 @@ def _opened(path: str | Path) -> Iterator[tuple[dict[str, Any], Mapping[str, NDA
             notes = json.loads(archive["notes"].tobytes())
             if (notes["format"], notes["format_version"]) != (_FORMAT, _FORMAT_VERSION):
                 found = f"{notes['format']} {notes['format_version']}"
-                raise DragonError(
-                    f"its format is {found}, and this version reads {_FORMAT} {_FORMAT_VERSION}"
-                )
+                known = f"{_FORMAT} {_FORMAT_VERSION}"
+                raise DragonError(f"its format is {found}, and this version reads {known}")
             yield notes, archive
     except DragonError as error:
         raise FileFormatError(path, f"a damaged run: {error}") from error
@@ -428,10 +438,14 @@ def _attributes(provenance: Mapping[str, Any], march: March, start: float) -> di
 
 
 def _differences(times: Array, poses: Array) -> Array:
-    """Rates of change (F, N, 3) of `poses`, by differences of second order; of frames that are near, of the first."""
+    """Rates of change (F, N, 3) of `poses`, by differences of second order.
+
+    Those of one interval are of first order. Frames that are near have the same.
+    """
     if times.size < 2 or len(poses) != len(times):
         return np.zeros_like(poses)
-    kept, last = [0], float(times[0])
+    kept = [0]
+    last = float(times[0])
     for frame, time in enumerate(times.tolist()):
         if time - last >= _LEAST_DIFFERENCE:
             kept.append(frame)
@@ -441,14 +455,17 @@ def _differences(times: Array, poses: Array) -> Array:
         kept.append(times.size - 1)
     poses = poses.copy()
     poses[..., 2] = np.unwrap(poses[..., 2], axis=0)
-    rates: Array = np.gradient(
-        poses[kept], times[kept], axis=0, edge_order=2 if len(kept) > 2 else 1
-    )
+    order: Any = min(2, len(kept) - 1)
+    rates: Array = np.gradient(poses[kept], times[kept], axis=0, edge_order=order)
     return rates[np.searchsorted(times[kept], times, side="right") - 1]
 
 
 def position_errors(dragon: Dragon, poses: Array, exact: Array) -> Array:
-    """Distances (..., N), m, of the worse hole of benches at `poses` (..., N, 3) from handles (..., N + 1, 2)."""
+    """Distances (..., N), m, of the worse hole of benches at `poses` (..., N, 3) from its handle.
+
+    The `exact` handles are (..., N + 1, 2).
+    """
     front, rear = dragon.holes(poses)
-    ends = (front - exact[..., :-1, :], rear - exact[..., 1:, :])
-    return np.asarray(np.maximum(*(np.linalg.norm(each, axis=-1) for each in ends)))
+    ahead = np.linalg.norm(front - exact[..., :-1, :], axis=-1)
+    behind = np.linalg.norm(rear - exact[..., 1:, :], axis=-1)
+    return np.asarray(np.maximum(ahead, behind))

@@ -5,10 +5,14 @@ flags win). In a file, sizes may be lists with one value for each bench, the spe
 name of a CSV file, and the curve a path through points or their CSV file:
 
 ```toml
-# tractor.toml head_spacing = 2.6 body_spacing = [4.5, 3.0, 6.0] overhang = [0.6, 0.5, 0.4, 0.7]
-width = [1.8, 2.2, 1.6, 2.4] speed = [[0, 0.5], [5, 2.0], [20, 1.5]]  # at which second how many m/s
-points = [[-30, 0], [-10, 0], [6, 2], [13, 12], [8, 22], [-4, 22], [-9, 12], [-8, 0], [-8, -20]]  #
-m
+# tractor.toml
+head_spacing = 2.6
+body_spacing = [4.5, 3.0, 6.0]
+overhang = [0.6, 0.5, 0.4, 0.7]
+width = [1.8, 2.2, 1.6, 2.4]
+speed = [[0, 0.5], [5, 2.0], [20, 1.5]]  # at which second how many m/s
+# m
+points = [[-30, 0], [-10, 0], [6, 2], [13, 12], [8, 22], [-4, 22], [-9, 12], [-8, 0], [-8, -20]]
 ```
 
 ```console
@@ -24,11 +28,19 @@ Any curve is a table with its kind and its parameters, and the dragon may be one
 benches = 12
 [curve]
 kind = "composite"
-pieces = [
-    { kind = "line", stop = [30, 0] }, { kind = "arc", centre = [30, 3], radius = 3, begin_angle =
-    -1.5707963267948966, sweep = 3.141592653589793 }, { kind = "line", start = [30, 6], stop = [0,
-    6] },
-]
+[[curve.pieces]]
+kind = "line"
+stop = [30, 0]
+[[curve.pieces]]
+kind = "arc"
+centre = [30, 3]
+radius = 3
+begin_angle = -1.5707963267948966
+sweep = 3.141592653589793
+[[curve.pieces]]
+kind = "line"
+start = [30, 6]
+stop = [0, 6]
 ```
 
 ```console
@@ -68,7 +80,9 @@ _SHORT = ("pitch", "rotation", "outward", "radius", "ratio", "points")
 
 @dataclass(frozen=True, init=False)
 class Scenario:
-    """A dragon on a curve, as plain values; what is not given has the paper's value, or the curve's default.
+    """A dragon on a curve, as plain values.
+
+    A parameter that is not given has the paper's value, or the curve's default.
 
     Parameters
     ----------
@@ -77,7 +91,8 @@ class Scenario:
     curve : str, Curve or mapping
         "spiral", "u-turn", "sampled" for a `Sampled` path through `points`, or a CSV file of these
         points. Any other registered curve is given as itself or as a table,
-        ``{kind = "line", start = [0, 0], stop = [40, 0]}`` in TOML; the tables of a `Composite` are its ``pieces``.
+        ``{kind = "line", start = [0, 0], stop = [40, 0]}`` in TOML; the tables of a `Composite` are
+        its ``pieces``.
     pitch, rotation, outward, radius, ratio, points
         As in `Spiral`, `UTurn` and `Sampled`.
     speed : float, sequence of (float, float) or str
@@ -103,15 +118,13 @@ class Scenario:
         elif isinstance(speed, list | tuple):
             speed = SpeedTable(*numbers("speed", speed, len(speed), 2).T)
         start = {name: values.get(name) for name in ("turns", "start_s")}
-        others = {*_DRAGON, *start, "curve", "speed"}
-        given = {
-            name: value
-            for name, value in values.items()
-            if name not in others and value is not None
-        }
-        object.__setattr__(
-            self, "_march", March(dragon, _curve(values.get("curve"), given), **start, speed=speed)
-        )
+
+        # The other values are parameters of the curve.
+        given = {name: value for name, value in values.items() if value is not None}
+        for name in (*_DRAGON, *start, "curve", "speed"):
+            given.pop(name, None)
+        curve = _curve(values.get("curve"), given)
+        object.__setattr__(self, "_march", March(dragon, curve, **start, speed=speed))
 
     @classmethod
     def of(cls, march: March) -> Scenario:
@@ -121,14 +134,15 @@ class Scenario:
 
     @classmethod
     def from_dict(cls, values: Mapping[str, Any], *, files: bool = True) -> Scenario:
-        """Scenario from the names of all parameters, or from tables `dragon` and `curve` as `to_dict` gives them.
+        """Scenario from the names of all parameters, or from tables `dragon` and `curve`.
 
-        Parameters at the top level have precedence. `files` is whether a curve or a speed may be
+        `to_dict` returns such tables. Parameters at the top level have precedence. `files` is whether a curve or a speed may be
         the name of a file.
 
         Examples
         --------
-        >>> Scenario.from_dict({"dragon": {"benches": 5}, "curve": {"kind": "u-turn", "ratio": 3}}).values()["radius"]
+        >>> tables = {"dragon": {"benches": 5}, "curve": {"kind": "u-turn", "ratio": 3}}
+        >>> Scenario.from_dict(tables).values()["radius"]
         4.5
         """
         flag("files", files)
@@ -148,10 +162,8 @@ class Scenario:
             if _LONG_KEY.search(content):
                 raise ValueError("a key has more parts than that of any parameter")
             nested = tomllib.loads(content)
-        except (
-            ValueError,
-            RecursionError,
-        ) as error:  # also of thousands of digits, or of nested brackets
+        except (ValueError, RecursionError) as error:
+            # Also of thousands of digits, or of nested brackets.
             raise FileFormatError(path, f"no TOML file: {error}") from error
         values = Scenario.flat(nested)
         files = [name for name in ("curve", "speed") if _is_file(values.get(name))]
@@ -166,12 +178,12 @@ class Scenario:
         return _tables(self._march)
 
     def values(self) -> dict[str, Any]:
-        """The same values by the names of all parameters, without those that the curve does not have."""
+        """Values by the names of all parameters, without those that the curve does not have."""
         return Scenario.flat(self.to_dict())
 
     @staticmethod
     def flat(values: Mapping[str, Any]) -> dict[str, Any]:
-        """Values by the names of the parameters of a `Scenario`, from nested tables or from such values."""
+        """Values by the names of the parameters of a `Scenario`, from nested tables or values."""
         if not isinstance(values, Mapping):
             raise ParameterError("scenario", values, "a mapping of names and values")
         for name in values:
@@ -182,9 +194,10 @@ class Scenario:
             raise ParameterError("dragon", dragon, "a table with parameters of the dragon")
         for name, value in dragon.items():
             if name not in _DRAGON:
-                raise ParameterError(
-                    f"dragon.{name}", value, "absent; known are " + ", ".join(_DRAGON)
-                )
+                bound = f"absent; known are {', '.join(_DRAGON)}"
+                raise ParameterError(f"dragon.{name}", value, bound)
+
+        # Parameters of the curve move to the top level if all of them may stand there.
         curve = flat.get("curve")
         if isinstance(curve, Mapping) and set(curve) <= {"kind", *_SHORT}:
             parameters = dict(curve)
@@ -197,50 +210,50 @@ class Scenario:
 def parameters() -> list[str]:
     """Names of all parameters of a `Scenario`, with those of curves of your own that are flags."""
     flags = [flag for kind in Curve.kinds.values() for flag in kind.flags]
-    return [*dict.fromkeys((*_DRAGON, "curve", *_SHORT, *flags, "turns", "start_s", "speed"))]
+    names = (*_DRAGON, "curve", *_SHORT, *flags, "turns", "start_s", "speed")
+    return [*dict.fromkeys(names)]
 
 
 def named_curves() -> list[str]:
-    """Kinds of curves that a name alone describes, the default first: all their parameters have defaults."""
-    named = [kind for kind, cls in Curve.kinds.items() if not any(parameters_of(cls).values())]
+    """Kinds of curves whose parameters all have defaults, the default kind first."""
+    kinds = Curve.kinds.items()
+    named = [kind for kind, cls in kinds if not any(parameters_of(cls).values())]
     return sorted(named, key=lambda kind: kind != _DEFAULT_CURVE)
 
 
 def _tables(march: March) -> dict[str, Any]:
-    """What `Scenario.to_dict` returns."""
+    """Tables of a march, as `Scenario.to_dict` returns them."""
+    tables: dict[str, Any] = {"dragon": asdict(march.dragon), "curve": march.curve.to_dict()}
+    for name in ("turns", "start_s"):
+        if getattr(march, name) is not None:
+            tables[name] = getattr(march, name)
     speed = march.speed
-    table = (
-        tuple(zip(speed.times, speed.speeds, strict=True))
-        if isinstance(speed, SpeedTable)
-        else speed
-    )
-    start = {
-        name: getattr(march, name)
-        for name in ("turns", "start_s")
-        if getattr(march, name) is not None
-    }
-    return {"dragon": asdict(march.dragon), "curve": march.curve.to_dict(), **start, "speed": table}
+    if isinstance(speed, SpeedTable):
+        return tables | {"speed": tuple(zip(speed.times, speed.speeds, strict=True))}
+    return tables | {"speed": speed}
 
 
 def _curve(curve: Any, given: Mapping[str, Any]) -> Curve:
-    """The curve of a name, a file, a table or a curve, and of the parameters that are given beside it."""
+    """The curve of a name, a file, a table or a curve, and of parameters given beside it."""
     for name, value in given.items():
         if isinstance(curve, Curve) or (name == "points" and _is_file(curve)):
-            raise ParameterError(
-                name, value, "absent where the curve is one already, or a file of points"
-            )
+            bound = "absent where the curve is one already, or a file of points"
+            raise ParameterError(name, value, bound)
     if isinstance(curve, Curve):
         return curve
     if isinstance(curve, Mapping):
         table = {**curve, **given}
     elif _is_file(curve):
         table = {"kind": "sampled", **given, "points": Sampled.read(curve).points}
-    elif curve is None or (isinstance(curve, str) and curve in Curve.kinds):
-        table = {"kind": curve or ("sampled" if "points" in given else _DEFAULT_CURVE), **given}
+    elif curve is None:
+        table = {"kind": "sampled" if "points" in given else _DEFAULT_CURVE, **given}
+    elif isinstance(curve, str) and curve in Curve.kinds:
+        table = {"kind": curve, **given}
     else:
         names = " or ".join(named_curves())
-        bound = f"a name, {names}, a file of points, which ends in {_CSV}, or a table with its kind"
-        raise ParameterError("curve", curve, bound)
+        file = f"a file of points, which ends in {_CSV}"
+        raise ParameterError("curve", curve, f"a name, {names}, {file}, or a table with its kind")
+
     try:
         return Curve.from_dict(table)
     except ParameterError as error:

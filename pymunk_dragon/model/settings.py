@@ -13,14 +13,18 @@ from pymunk_dragon.errors import ParameterError
 # apart.
 _Contacts = Literal["stop", "report", "resolve"]
 
-# Metres that the head travels in one substep, and solver iterations in it; `physics` has the drift
-# of other values.
-_STRIDE, _ITERATIONS = 1 / 50, 10
-# The same where contacts are resolved: with 10 iterations gaps in the loaded joints are five times
-# as wide.
-_RESOLVE_STRIDE, _RESOLVE_ITERATIONS = 1 / 200, 60
-# m. Longer substeps skip over a bench; shorter ones than the least take days for a march.
-MAX_STRIDE, _MIN_STRIDE = 0.1, 1e-5
+# m that the head travels in one substep; `physics` has the drift of other values.
+_STRIDE = 1 / 50
+# Solver iterations in a substep.
+_ITERATIONS = 10
+# m that the head travels in one substep where contacts are resolved.
+_RESOLVE_STRIDE = 1 / 200
+# Iterations there: with 10, gaps in the loaded joints are five times as wide.
+_RESOLVE_ITERATIONS = 60
+# m. Longer substeps skip over a bench.
+MAX_STRIDE = 0.1
+# m. Shorter substeps take days for a march.
+_MIN_STRIDE = 1e-5
 # Ground drag, per metre marched (per second at 1 m/s). It has to be faster than Pymunk's correction
 # of joint errors, 6.3 per second (its error_bias, 0.9 ** 60): the docstring of `physics` says why.
 _DRAG = 11.5
@@ -49,9 +53,11 @@ class EngineSettings:
         contacts, or go on and let the engine push the benches apart. Resolved, the head is pulled
         along the march by a motor of finite force, and the dancers stop where the head cannot go
         on.
-    substep, iterations : float and int, optional
-        Length of a step, s, and solver iterations in it. By default the time in which the head
-        travels 20 mm, and 10; 5 mm and 60 where contacts are resolved.
+    substep : float, optional
+        Length of a step, s. By default the time in which the head travels 20 mm; 5 mm where
+        contacts are resolved.
+    iterations : int, optional
+        Solver iterations in a step. By default 10; 60 where contacts are resolved.
     drag : float
         Ground drag on the benches, per metre marched: velocities decay at this rate times the
         head's top speed.
@@ -81,19 +87,17 @@ class EngineSettings:
     def __post_init__(self) -> None:
         word("contacts", self.contacts, get_args(_Contacts))
         if self.head_force is not None and self.contacts != "resolve":
-            raise ParameterError(
-                "head_force", self.head_force, "absent unless contacts are resolved"
-            )
+            bound = "absent unless contacts are resolved"
+            raise ParameterError("head_force", self.head_force, bound)
         for name, (high, unit) in _LIMITS.items():
             if (value := getattr(self, name)) is not None or name == "drag":
                 object.__setattr__(self, name, positive(name, value, high, unit))
         if self.iterations is not None:
-            object.__setattr__(
-                self, "iterations", whole("iterations", self.iterations, 1, _MAX_ITERATIONS)
-            )
+            iterations = whole("iterations", self.iterations, 1, _MAX_ITERATIONS)
+            object.__setattr__(self, "iterations", iterations)
 
     def resolved(self, *, top_speed: float, pulled_mass: float) -> EngineSettings:
-        """The settings with numbers for `substep`, `iterations` and, where contacts are resolved, for `head_force`.
+        """The settings with numbers in place of None, apart from a `head_force` without a use.
 
         `top_speed` is the highest one of the head, m/s, and `pulled_mass` that of the benches on
         which the head has to balance the ground drag, kg. In a substep the head may travel from
@@ -101,14 +105,13 @@ class EngineSettings:
         """
         top_speed = positive("top_speed", top_speed, math.inf, "m/s")
         pulled_mass = positive("pulled_mass", pulled_mass, math.inf, "kg")
-        resolves, force = self.contacts == "resolve", self.head_force
-        stride, iterations = (
-            (_RESOLVE_STRIDE, _RESOLVE_ITERATIONS) if resolves else (_STRIDE, _ITERATIONS)
-        )
-        substep = stride / top_speed if self.substep is None else self.substep
-        if force is None and resolves:
-            force = _HEAD_FORCE * self.drag * top_speed**2 * pulled_mass
+        stride, iterations = _STRIDE, _ITERATIONS
+        force = None
+        if self.contacts == "resolve":
+            stride, iterations = _RESOLVE_STRIDE, _RESOLVE_ITERATIONS
+            force = self.head_force or _HEAD_FORCE * self.drag * top_speed**2 * pulled_mass
+
+        substep = self.substep or stride / top_speed
+        iterations = self.iterations or iterations
         finite("substep", substep, _MIN_STRIDE / top_speed, MAX_STRIDE / top_speed, "s")
-        return replace(
-            self, substep=substep, iterations=self.iterations or iterations, head_force=force
-        )
+        return replace(self, substep=substep, iterations=iterations, head_force=force)

@@ -1,4 +1,7 @@
-"""Speed of the head over time, as a table that is linear between its entries; a number is a table of one entry."""
+"""Speed of the head over time, as a table that is linear between its entries.
+
+A number is a table of one entry.
+"""
 
 from __future__ import annotations
 
@@ -16,8 +19,10 @@ from pymunk_dragon._checks import finite, number, numbers, positive
 from pymunk_dragon._files import number_rows
 from pymunk_dragon.errors import FileFormatError, ParameterError
 
-# m/s: a thousandth of a snail's speed, and more than the 13 m/s of sprinters.
-MIN_SPEED, MAX_SPEED = 1e-6, 20.0
+# m/s: a thousandth of a snail's speed.
+MIN_SPEED = 1e-6
+# m/s: more than the 13 m/s of sprinters.
+MAX_SPEED = 20.0
 # s, thirty years. At this time a double still resolves microseconds.
 MAX_TIME = 1e9
 # s or m. Larger times and distances count as infinite; at this one a double resolves 0.1 s or m.
@@ -30,7 +35,7 @@ _MAX_ENTRIES = 1_000_000
 
 @dataclass(frozen=True)
 class SpeedTable:
-    """The speed of handle 0 at some times: linear between them, constant before the first and after the last.
+    """Speed of handle 0: linear between some times, constant before the first and after the last.
 
     Parameters
     ----------
@@ -49,34 +54,32 @@ class SpeedTable:
     speeds: Sequence[float]
 
     def __post_init__(self) -> None:
-        for name, bounds in (
-            ("times", (-MAX_TIME, MAX_TIME, "s")),
-            ("speeds", (MIN_SPEED, MAX_SPEED, "m/s")),
-        ):
+        limits = {"times": (-MAX_TIME, MAX_TIME, "s"), "speeds": (MIN_SPEED, MAX_SPEED, "m/s")}
+        for name, bounds in limits.items():
             values = numbers(name, getattr(self, name))
             if values.ndim != 1 or not values.size:
                 raise ParameterError(name, getattr(self, name), "a sequence of at least one number")
-            checked = (
-                finite(f"{name}[{i}]", value, *bounds) for i, value in enumerate(values.tolist())
-            )
+            entries = enumerate(values.tolist())
+            checked = (finite(f"{name}[{i}]", value, *bounds) for i, value in entries)
             object.__setattr__(self, name, tuple(checked))
         if len(self.times) != len(self.speeds):
             raise ParameterError("speeds", self.speeds, f"as many as the times, {len(self.times)}")
-        for i in np.flatnonzero(np.diff(self.times) < _MIN_STEP)[:1].tolist():
-            bound = (
-                f"later than the time before it, {self.times[i]:g} s, by {_MIN_STEP:g} s or more"
-            )
+        close = np.diff(self.times) < _MIN_STEP
+        if close.any():
+            i = int(close.argmax())
+            before = f"the time before it, {self.times[i]:g} s"
+            bound = f"later than {before}, by {_MIN_STEP:g} s or more"
             raise ParameterError(f"times[{i + 1}]", self.times[i + 1], bound)
 
     @classmethod
     def of(
         cls, function: Callable[[float], float], start: float, until: float, step: float = 0.01
     ) -> SpeedTable:
-        """Table of a function from a time in s to a speed in m/s, with an entry every `step` s from `start` to `until`.
+        """Table of a function from a time in s to a speed in m/s, from `start` to `until`, s.
 
-        Choose a step in which the speed changes little: the march goes at the speed of the table
-        exactly, which differs from the function by step**2 / 8 times the function's second
-        derivative.
+        It has an entry every `step` s. Choose a step in which the speed changes little: the march
+        goes at the speed of the table exactly, which differs from the function by step**2 / 8 times
+        the function's second derivative.
 
         Examples
         --------
@@ -85,25 +88,24 @@ class SpeedTable:
         0.908557
         """
         begin = finite("start", start, -MAX_TIME, MAX_TIME, "s")
-        length = positive(
-            "until",
-            finite("until", until, -MAX_TIME, MAX_TIME, "s") - begin,
-            np.inf,
-            "s after start",
-        )
-        entries = length / finite("step", step, max(_MIN_STEP, length / _MAX_ENTRIES), length, "s")
-        times = np.linspace(begin, begin + length, int(np.ceil(entries)) + 1)
+        end = finite("until", until, -MAX_TIME, MAX_TIME, "s")
+        length = positive("until", end - begin, np.inf, "s after start")
+        shortest = max(_MIN_STEP, length / _MAX_ENTRIES)
+        steps = int(np.ceil(length / finite("step", step, shortest, length, "s")))
+        times = np.linspace(begin, begin + length, steps + 1)
         try:
             speeds = [float(function(time)) for time in times.tolist()]
         except (TypeError, ValueError, ArithmeticError) as error:
-            raise ParameterError(
-                "function", function, f"a function from s to m/s ({error})"
-            ) from error
+            bound = f"a function from s to m/s ({error})"
+            raise ParameterError("function", function, bound) from error
         return cls(times.tolist(), speeds)
 
     @classmethod
     def read(cls, path: str | Path) -> SpeedTable:
-        """Table from a CSV file: a time in s and a speed in m/s on each line, after a line of names or none."""
+        """Table from a CSV file: a time in s and a speed in m/s on each line.
+
+        A line of names may stand before them.
+        """
         lines, rows = number_rows(path, "speed", ("a time in s", "a speed in m/s"))
         try:
             return cls(*zip(*rows, strict=True))
@@ -116,28 +118,30 @@ class SpeedTable:
         return np.asarray(np.interp(numbers("t", t), *self._knots[:2]))
 
     def distance(self, t: ArrayLike) -> Array:
-        """Distance (T,), m, travelled from time 0 to `t` (T,) in s, negative before 0: a quadratic between entries."""
+        """Distance (T,), m, travelled from time 0 to `t` (T,) in s; negative before 0."""
         t = _rounded(numbers("t", t))
         if len(self.speeds) == 1:  # As most are; the general way takes twenty times as long.
             return np.asarray(self.speeds[0] * t)
         times, speeds, accelerations, distances = self._knots
         i = np.maximum(np.searchsorted(times, t, side="right") - 1, 0)
         gone = np.where(np.isfinite(t), t - times[i], 0.0)
+        # Before the first entry the speed is constant; between two, the distance is a quadratic.
         acceleration = np.where(gone < 0, 0.0, accelerations[i])
-        return np.where(
-            np.isfinite(t), distances[i] + gone * (speeds[i] + acceleration * gone / 2), t
-        )
+        travelled = distances[i] + gone * (speeds[i] + acceleration * gone / 2)
+        return np.where(np.isfinite(t), travelled, t)
 
     def time(self, distance: ArrayLike) -> Array:
-        """Times (T,), s, at which a `distance` (T,) in m is reached: the inverse of the method `distance`."""
+        """Times (T,), s, at which a `distance` (T,), m, is reached: the inverse of `distance`."""
         distance = _rounded(numbers("distance", distance))
         times, speeds, accelerations, distances = self._knots
         i = np.maximum(np.searchsorted(distances, distance, side="right") - 1, 0)
-        gone = np.where(np.isfinite(distance), distance - distances[i], 0.0)
+        is_finite = np.isfinite(distance)
+        gone = np.where(is_finite, distance - distances[i], 0.0)
         # The root of the quadratic, in the form without cancellation.
         acceleration = np.where(gone < 0, 0.0, accelerations[i])
-        then = np.sqrt(np.maximum(speeds[i] ** 2 + 2 * acceleration * gone, MIN_SPEED**2))
-        return np.where(np.isfinite(distance), times[i] + 2 * gone / (speeds[i] + then), distance)
+        square = speeds[i] ** 2 + 2 * acceleration * gone
+        then = np.sqrt(np.maximum(square, MIN_SPEED**2))
+        return np.where(is_finite, times[i] + 2 * gone / (speeds[i] + then), distance)
 
     def fastest(self, start: float, until: float) -> float:
         """Largest speed, m/s, from `start` to `until`, s."""
@@ -145,26 +149,28 @@ class SpeedTable:
         for name, value in (("start", start), ("until", until)):
             if math.isnan(number(value)):
                 raise ParameterError(name, value, "a number, s")
-        return float(
-            np.append(self.at([start, until]), speeds[(start < times) & (times < until)]).max()
-        )
+        between = speeds[(start < times) & (times < until)]
+        return float(np.append(self.at([start, until]), between).max())
 
     @cached_property
     def _knots(self) -> tuple[Array, Array, Array, Array]:
-        """Times, speeds, accelerations after each (m/s^2) and distances, (K,) each: of the entries and of time 0."""
+        """Times, speeds, accelerations after each (m/s^2) and distances, (K,) each.
+
+        They are those of the entries and of time 0.
+        """
         times = np.unique([*self.times, 0.0])
         speeds = np.interp(times, self.times, self.speeds)
         # Between entries, which are no less than a microsecond apart; the time 0 may be next to
         # one.
-        slopes = np.concatenate([[0.0], np.diff(self.speeds) / np.diff(self.times), [0.0]])
+        slopes = np.diff(self.speeds) / np.diff(self.times)
+        slopes = np.concatenate([[0.0], slopes, [0.0]])
         accelerations = slopes[np.searchsorted(self.times, times, side="right")]
         steps = np.diff(times) * (speeds[:-1] + speeds[1:]) / 2
         # From time 0 in both directions: a table that begins long before must not add rounding
         # errors near 0.
         zero = int(np.searchsorted(times, 0.0))
-        distances = np.concatenate(
-            [-np.cumsum(steps[:zero][::-1])[::-1], [0.0], np.cumsum(steps[zero:])]
-        )
+        before = -np.cumsum(steps[:zero][::-1])[::-1]
+        distances = np.concatenate([before, [0.0], np.cumsum(steps[zero:])])
         return times, speeds, accelerations, distances
 
 

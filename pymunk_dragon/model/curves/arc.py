@@ -14,8 +14,7 @@ from pymunk_dragon.model.curves.base import FARTHEST, PackageCurve, position
 
 # m. Smaller circles are too narrow even for benches of a millimetre.
 _MIN_RADIUS = 1e-3
-# rad: a thousand turns, and the angle at which they begin. More is taken for a typing error, and
-# costs digits.
+# rad: a thousand turns. More is taken for a typing error, and costs digits.
 _MAX_ANGLE = 2000 * math.pi
 # m. Less is taken for a typing error.
 _SHORTEST = 1e-9
@@ -52,24 +51,19 @@ class Arc(PackageCurve, kind="arc"):
 
     def __post_init__(self) -> None:
         radius = finite("radius", self.radius, _MIN_RADIUS, FARTHEST, "m")
-        angles = {
-            n: finite(n, getattr(self, n), -_MAX_ANGLE, _MAX_ANGLE, "rad")
-            for n in ("begin_angle", "sweep")
-        }
-        self._set(
-            centre=position("centre", self.centre),
-            radius=radius,
-            **angles,
-            end_s=radius * abs(angles["sweep"]),
-        )
+        begin = finite("begin_angle", self.begin_angle, -_MAX_ANGLE, _MAX_ANGLE, "rad")
+        sweep = finite("sweep", self.sweep, -_MAX_ANGLE, _MAX_ANGLE, "rad")
+        self._set(centre=position("centre", self.centre), radius=radius)
+        self._set(begin_angle=begin, sweep=sweep, end_s=radius * abs(sweep))
         if self.end_s < _SHORTEST:
-            raise ParameterError(
-                "sweep", self.sweep, f"at least {_SHORTEST / radius:.3g} rad, to either side"
-            )
+            bound = f"at least {_SHORTEST / radius:.3g} rad, to either side"
+            raise ParameterError("sweep", self.sweep, bound)
 
     def _frame(self, s: Array) -> tuple[Array, Array]:
         angle = self.begin_angle + self._curvature(s) * s
-        cosine, sine, side = np.cos(angle), np.sin(angle), math.copysign(1.0, self.sweep)
+        cosine = np.cos(angle)
+        sine = np.sin(angle)
+        side = math.copysign(1.0, self.sweep)
         points = self.centre + self.radius * np.stack([cosine, sine], axis=-1)
         return points, side * np.stack([-sine, cosine], axis=-1)
 

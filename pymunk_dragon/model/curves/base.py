@@ -61,7 +61,8 @@ class Curve(ABC):
     ...         return np.stack([2 * np.arcsinh(np.divide(s, 2)), np.hypot(s, 2)], axis=-1)
     ...
     ...     def tangent(self, s):
-    ...         return np.stack([np.full(np.shape(s), 2.0), np.asarray(s)], axis=-1) / np.hypot(s, 2)[..., None]
+    ...         ahead = np.stack([np.full(np.shape(s), 2.0), np.asarray(s)], axis=-1)
+    ...         return ahead / np.hypot(s, 2)[..., None]
     ...
     ...     def curvature(self, s):
     ...         return 2 / (np.square(s) + 4)
@@ -102,14 +103,16 @@ class Curve(ABC):
             # A class of the same name, as in a notebook's cell, is replaced.
             known = Curve.kinds.get(cls.kind, cls)
             if (known.__module__, known.__name__) != (cls.__module__, cls.__name__):
-                raise ParameterError(
-                    "kind", cls.kind, f"no other class's, but it is that of {known.__name__}"
-                )
+                bound = f"no other class's, but it is that of {known.__name__}"
+                raise ParameterError("kind", cls.kind, bound)
             Curve.kinds[cls.kind] = cls
 
     @abstractmethod
     def point(self, s: ArrayLike) -> Array:
-        """Position (..., 2) in m, right to 8 last digits of the largest coordinate in space or along the path."""
+        """Position (..., 2) in m, right to 8 last digits of the largest coordinate.
+
+        Coordinates in space and along the path count.
+        """
 
     @abstractmethod
     def tangent(self, s: ArrayLike) -> Array:
@@ -121,14 +124,17 @@ class Curve(ABC):
 
     @abstractmethod
     def max_curvature(self, s: ArrayLike, other: ArrayLike) -> Array:
-        """Upper bound (...) on the absolute curvature between two coordinates in any order, 1/m; 0 beyond the ends."""
+        """Upper bound (...) on the absolute curvature between two coordinates in any order, 1/m.
+
+        It is 0 beyond the ends.
+        """
 
     def frame(self, s: ArrayLike) -> tuple[Array, Array]:
         """Positions and unit vectors in the direction of travel, each (..., 2)."""
         return self.point(s), self.tangent(s)
 
     def chain(self, s: ArrayLike, spacings: ArrayLike) -> Array:
-        """Coordinates (T, N + 1), m, of all handles of chains with the heads at `s` (T,) and the `spacings` (N,), m.
+        """Coordinates (T, N + 1), m, of chains with heads at `s` (T,) and `spacings` (N,), m.
 
         Each handle is at the first point back along the path whose straight distance from the
         handle before is the spacing; that distance has to grow over the whole arc between. A handle
@@ -145,10 +151,10 @@ class Curve(ABC):
         return chain.chains(self, numbers("s", s).ravel(), lengths).handles_s
 
     def foot(self, points: ArrayLike, near: ArrayLike) -> tuple[Array, Array, Array]:
-        """Feet of the perpendiculars from `points` (..., 2), m, to the path nearest to the coordinates `near` (...), m.
+        """Feet of the perpendiculars from `points` (..., 2), m, to the path.
 
-        Returns their coordinates (...) and points (..., 2), m, and the unit tangents (..., 2)
-        there. The points have to be closer to the path than its radius of curvature.
+        They are the feet nearest to the coordinates `near` (...), m: their coordinates (...) and
+        points (..., 2), m, and the unit tangents (..., 2) there. The points have to be closer to the path than its radius of curvature.
 
         Examples
         --------
@@ -157,30 +163,29 @@ class Curve(ABC):
         >>> s.tolist(), feet.tolist()
         ([4.0], [[4.0, 0.0]])
         """
-        xy, s = numbers("points", points, 2), numbers("near", near)
+        xy = numbers("points", points, 2)
+        s = numbers("near", near)
         fitting("points and near", xy.shape[:-1], s.shape)
-        s = np.clip(s, self.begin_s, self.end_s)
+        begin, end = self.begin_s, self.end_s
+        s = np.clip(s, begin, end)
         # Points far from the path have no foot, but numbers without a meaning.
         with np.errstate(all="ignore"):
             for _ in range(_FOOT_PASSES):
                 feet, tangents = self.frame(s)
-                step = (
-                    np.clip(s + np.sum((xy - feet) * tangents, axis=-1), self.begin_s, self.end_s)
-                    - s
-                )
+                along = np.sum((xy - feet) * tangents, axis=-1)
+                step = np.clip(s + along, begin, end) - s
                 s = s + step
                 if np.all(np.abs(step) <= _NEAR_FOOT):
                     break
         return s, feet + step[..., None] * tangents, tangents
 
     def at_turn(self, turns: float) -> float:
-        """Coordinate `turns` turns from the centre, m; an error on a curve whose turns are not counted."""
-        raise ParameterError(
-            "turns", turns, "absent: only a Spiral has turns, other curves have a start_s"
-        )
+        """Coordinate `turns` turns from the centre, m; an error on a curve without turns."""
+        bound = "absent: only a Spiral has turns, other curves have a start_s"
+        raise ParameterError("turns", turns, bound)
 
     def turns(self, s: float) -> float | None:
-        """Number of turns from the centre at the coordinate `s` m; None on a curve whose turns are not counted."""
+        """Number of turns from the centre at the coordinate `s` m; None on a curve without turns."""
         finite("s", s, -np.inf, np.inf, "m")
         return None
 
@@ -195,7 +200,9 @@ class Curve(ABC):
 
     @staticmethod
     def from_dict(values: Mapping[str, Any]) -> Curve:
-        """Curve of a registered kind with the given parameters; those that are curves are mappings as well.
+        """Curve of a registered kind with the given parameters.
+
+        Parameters that are curves are mappings as well.
 
         Examples
         --------
@@ -203,9 +210,8 @@ class Curve(ABC):
         Line(start=(0.0, 0.0), stop=(3.0, 4.0))
         """
         if not isinstance(values, Mapping):
-            raise ParameterError(
-                "curve", values, "a table with the kind of a curve and its parameters"
-            )
+            bound = "a table with the kind of a curve and its parameters"
+            raise ParameterError("curve", values, bound)
         curve: Curve = _made(values, "curve", 1)
         return curve
 
@@ -218,7 +224,10 @@ class Curve(ABC):
         return np.where((s >= begin) & (s <= end), s, np.nan)
 
     def _parameter(self, s: Array) -> Array:
-        """The parameter (...) in which chains are computed, growing in the direction of travel; nan off the curve."""
+        """The parameter (...) in which chains are computed; nan off the curve.
+
+        It grows in the direction of travel.
+        """
         return self._inside(s)
 
     def _coordinate(self, parameter: Array) -> Array:
@@ -231,19 +240,22 @@ class Curve(ABC):
         return as_complex(points), as_complex(tangents)
 
     def _estimate(self, heads: Array, parameters: Array, spacings: Array) -> Array:
-        """Estimated parameters (H, T) of chains with heads and their parameters (T,), and spacings (N, 1).
+        """Estimated parameters (H, T) of chains: heads and their parameters (T,), spacings (N, 1).
 
         Each arc is as long as on a circle of the path's curvature there, at most half a circle.
         """
-        s = np.concatenate([heads[None], heads - np.cumsum(spacings, axis=0)])
+        straight = heads - np.cumsum(spacings, axis=0)
+        s = np.concatenate([heads[None], straight])
         square = self.curvature(np.clip(s, self.begin_s, self.end_s)) ** 2
-        sine = np.clip(np.sqrt((square[1:] + square[:-1]) / 2) * (spacings / 2), _LEAST_SINE, 1.0)
-        s[1:] = heads - np.cumsum(np.arcsin(sine) / sine * spacings, axis=0)
+        curvature = np.sqrt((square[1:] + square[:-1]) / 2)
+        sine = np.clip(curvature * (spacings / 2), _LEAST_SINE, 1.0)
+        arcs = np.arcsin(sine) / sine * spacings
+        s[1:] = heads - np.cumsum(arcs, axis=0)
         return self._parameter(np.maximum(s, self.begin_s))
 
 
 class PackageCurve(Curve):
-    """Base class of the package's curves: checks arguments once, and computes points and tangents together.
+    """Base class of the package's curves: one check of arguments, points along with tangents.
 
     Derived classes have `_frame` and `_curvature` for coordinates (...) that are nan off the curve,
     and `_max_curvature` for intervals (...) whose lower ends are nan if they are off the curve.
@@ -267,12 +279,14 @@ class PackageCurve(Curve):
 
     def max_curvature(self, s: ArrayLike, other: ArrayLike) -> Array:
         """Upper bound (...) on the absolute curvature between two coordinates, 1/m."""
-        one, two = numbers("s", s), numbers("other", other)
+        one = numbers("s", s)
+        two = numbers("other", other)
         fitting("s and other", one.shape, two.shape)
         lower = np.maximum(np.minimum(one, two), max(self.begin_s, -_FARTHEST_S))
         upper = np.minimum(np.maximum(one, two), min(self.end_s, _FARTHEST_S))
         on = lower <= upper
-        return np.where(on, self._max_curvature(np.where(on, lower, np.nan), upper), 0.0)
+        bound = self._max_curvature(np.where(on, lower, np.nan), upper)
+        return np.where(on, bound, 0.0)
 
     def _set(self, **values: Any) -> None:
         """Set attributes of a frozen dataclass."""
@@ -316,16 +330,16 @@ def _plain(value: Any, where: str, depth: int) -> Any:
     if not isinstance(value, Curve):
         return value.tolist() if isinstance(value, np.ndarray) else value
     if depth > _MAX_DEPTH:
-        raise ParameterError(
-            "curve", type(value).__name__, f"nested in at most {_MAX_DEPTH - 1} other curves"
-        )
+        bound = f"nested in at most {_MAX_DEPTH - 1} other curves"
+        raise ParameterError("curve", type(value).__name__, bound)
     if value.kind is None or not is_dataclass(value):
-        bound = f"a curve of a registered kind: {', '.join(sorted(Curve.kinds))} or one of your own"
+        kinds = ", ".join(sorted(Curve.kinds))
+        bound = f"a curve of a registered kind: {kinds} or one of your own"
         raise ParameterError(where, type(value).__name__, bound)
-    names = parameters_of(type(value))
-    return {"kind": value.kind} | {
-        name: _plain(getattr(value, name), f"{where}.{name}", depth + 1) for name in names
-    }
+    plain = {"kind": value.kind}
+    for name in parameters_of(type(value)):
+        plain[name] = _plain(getattr(value, name), f"{where}.{name}", depth + 1)
+    return plain
 
 
 def _made(values: Any, where: str, depth: int) -> Any:
@@ -336,33 +350,31 @@ def _made(values: Any, where: str, depth: int) -> Any:
         return values
     if depth > _MAX_DEPTH:
         raise ParameterError("curve", values, f"nested in at most {_MAX_DEPTH - 1} other curves")
-    kind = word(f"{where}.kind", values.get("kind"), sorted(Curve.kinds))
-    given = {name: value for name, value in values.items() if name != "kind"}
+    given = dict(values)
+    kind = word(f"{where}.kind", given.pop("kind", None), sorted(Curve.kinds))
     _check_names(kind, given, where)
-    arguments = {name: _made(value, f"{where}.{name}", depth + 1) for name, value in given.items()}
+    for name, value in given.items():
+        given[name] = _made(value, f"{where}.{name}", depth + 1)
     try:
-        return Curve.kinds[kind](**arguments)
+        return Curve.kinds[kind](**given)
     except ParameterError as error:
         raise ParameterError(f"{where}.{error.name}", error.value, error.bound) from error
 
 
 def _check_names(kind: str, given: Mapping[str, Any], where: str) -> None:
-    """Refuse parameters that curves of a kind do not have, and those without a default that are not given."""
+    """Refuse unknown parameters of a kind, and the absence of one that has no default."""
     known = parameters_of(Curve.kinds[kind])
     for name in given:
         if name not in known:
-            owners = sorted(
-                other for other, cls in Curve.kinds.items() if name in parameters_of(cls)
-            )
+            kinds = Curve.kinds.items()
+            owners = sorted(other for other, cls in kinds if name in parameters_of(cls))
             hint = f"kinds with it: {', '.join(owners)}" if owners else f"it has {', '.join(known)}"
-            raise ParameterError(
-                f"{where}.{name}", given[name], f"absent on a {kind} curve; {hint}"
-            )
+            bound = f"absent on a {kind} curve; {hint}"
+            raise ParameterError(f"{where}.{name}", given[name], bound)
     for name, required in known.items():
         if required and name not in given:
-            raise ParameterError(
-                f"{where}.{name}", None, f"given: the kind {kind} has no default for it"
-            )
+            bound = f"given: the kind {kind} has no default for it"
+            raise ParameterError(f"{where}.{name}", None, bound)
 
 
 def position(name: str, value: object) -> tuple[float, float]:

@@ -21,8 +21,10 @@ class Line(PackageCurve, kind="line"):
 
     Parameters
     ----------
-    start, stop : tuple of float
-        End points, at least 1 mm apart: x and y in m, from -100 to 100 km.
+    start : tuple of float
+        First point: x and y in m, from -100 to 100 km.
+    stop : tuple of float
+        Last point, at least 1 mm from the first one: x and y in m, from -100 to 100 km.
 
     Examples
     --------
