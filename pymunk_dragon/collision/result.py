@@ -15,8 +15,10 @@ Status = Literal["contact", "clear", "overlapping", "unreachable"]
 
 # m. Resolution above which the text of a result names it.
 _COARSE = 1e-8
-# Decimals of a contact's time in the text of a result that is certified, and of one from samples.
-_CERTIFIED_DECIMALS, _SAMPLED_DECIMALS = 9, 6
+# Decimals of a contact's time in the text of a result that is certified.
+_CERTIFIED_DECIMALS = 9
+# Decimals of a contact's time in the text of a result from samples.
+_SAMPLED_DECIMALS = 6
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,8 +76,10 @@ class FirstContact(TextResult):
         Largest overlap before `time` that the certificate does not rule out, m: rounding, about a
         micrometre where a gap stays near zero for long, and 0.1 mm where the march ends because the
         chain has no state after it. None if nothing was certified.
-    samples, tests : int
-        Numbers of times at which poses were computed, and of pair tests at all of them.
+    samples : int
+        Number of times at which poses were computed.
+    tests : int
+        Number of pair tests at all of these times.
 
     Examples
     --------
@@ -95,32 +99,26 @@ class FirstContact(TextResult):
     tests: int
 
     def to_dict(self) -> dict[str, Any]:
-        """In SI units, what `contact --json` prints them: `time` is None without a contact, `until` is the last."""
-        return asdict(self) | {
-            "time": None if self.benches is None else self.time,
-            "until": self.time,
-        }
+        """Values in SI units that `contact --json` prints.
+
+        `time` is None without a contact, and `until` is the last time.
+        """
+        time = None if self.benches is None else self.time
+        return asdict(self) | {"time": time, "until": self.time}
 
     def __str__(self) -> str:
         decimals = _SAMPLED_DECIMALS if self.resolution is None else _CERTIFIED_DECIMALS
         first = contact_text(self.status, self.benches, self.point, self.time, decimals)
         lines = [first, *map(str, self.near_misses or ())]
         if self.resolution is not None and self.resolution > _COARSE:
-            least = text(
-                "benches that overlap by less than {amount:.2g} micrometres count as apart"
-            )
-            lines.append(least.format(amount=1e6 * self.resolution))
+            line = text("benches that overlap by less than {amount:.2g} micrometres count as apart")
+            lines.append(line.format(amount=1e6 * self.resolution))
         return "\n".join(lines)
 
     @property
     def contact(self) -> Contact | None:
-        """The result as a `Contact`, as `Run.first_contact` is one; None for every status but "contact"."""
-        if (
-            self.status != "contact"
-            or self.benches is None
-            or self.point is None
-            or self.normal is None
-        ):
+        """The result as a `Contact`, the class of `Run.first_contact`; None without a contact."""
+        if self.status != "contact" or not (self.benches and self.point and self.normal):
             return None
         when: dict[str, float] = {"time": self.time, "raw_time": self.time, "depth": 0.0}
         return Contact(benches=self.benches, point=self.point, normal=self.normal, **when)

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pymunk_dragon._arrays import Array, Complex, Indices, as_vectors, read_only
+from pymunk_dragon._arrays import Array, Complex, Indices, as_complex, as_vectors, read_only
 from pymunk_dragon._checks import MAX_COORDINATE, numbers
 from pymunk_dragon.errors import ParameterError
 
@@ -94,23 +94,27 @@ def separation(first: ArrayLike, second: ArrayLike) -> Separation:
     >>> float(apart.distance), apart.normal.tolist(), apart.point[0].item()
     (2.0, [1.0, 0.0], 1.5)
     """
-    sides = [coordinates(name, side, 4, 2) for name, side in (("first", first), ("second", second))]
+    one = coordinates("first", first, 4, 2)
+    two = coordinates("second", second, 4, 2)
     try:
-        shape = np.broadcast_shapes(*(side.shape[:-2] for side in sides))
+        shape = np.broadcast_shapes(one.shape[:-2], two.shape[:-2])
     except ValueError as error:
-        raise ParameterError(
-            "second", f"of shape {sides[1].shape}", f"one that goes with {sides[0].shape}"
-        ) from error
+        bound = f"one that goes with {one.shape}"
+        raise ParameterError("second", f"of shape {two.shape}", bound) from error
     corners = np.empty((2, 4, *shape), dtype=complex)
-    for into, side in zip(corners, sides, strict=True):
-        into.transpose(*range(1, into.ndim), 0)[...] = side.view(complex)[..., 0]
+    sides = np.moveaxis(corners, 1, -1)
+    sides[0] = as_complex(one)
+    sides[1] = as_complex(two)
+
     corners = corners.reshape(2, 4, -1)
     pairs = corners.shape[-1]
-    distance, normal, point = np.empty(pairs), np.empty(pairs, complex), np.empty(pairs, complex)
+    distance = np.empty(pairs)
+    normal = np.empty(pairs, complex)
+    point = np.empty(pairs, complex)
     for begin in range(0, pairs, _CHUNK):
         part = slice(begin, begin + _CHUNK)
         distance[part], normal[part], point[part] = _separate(corners[..., part])
-    vectors = (read_only(found.view(float).reshape(*shape, 2)) for found in (normal, point))
+    vectors = (read_only(as_vectors(found.reshape(shape))) for found in (normal, point))
     return Separation(read_only(distance.reshape(shape)), *vectors)
 
 
@@ -124,15 +128,14 @@ def deepest_overlap(outlines: Array, pairs: Indices) -> tuple[int, int] | None:
 
 
 def coordinates(name: str, value: ArrayLike, *tail: int, axes: int | None = None) -> Array:
-    """`value` as a contiguous array (..., *tail) of coordinates in m, with so many `axes` in all if that is given."""
+    """`value` as a contiguous array (..., *tail) of coordinates in m, in all of so many `axes`."""
     array: Array = np.ascontiguousarray(numbers(name, value, *tail))
     if axes not in (None, array.ndim):
         raise ParameterError(name, f"of shape {array.shape}", f"coordinates in m with {axes} axes")
     inside = np.abs(array) <= MAX_COORDINATE
     if not inside.all():
-        raise ParameterError(
-            name, array[~inside][0].item(), f"finite and within {MAX_COORDINATE:g} m"
-        )
+        bound = f"finite and within {MAX_COORDINATE:g} m"
+        raise ParameterError(name, array[~inside][0].item(), bound)
     return array
 
 
@@ -147,7 +150,8 @@ def _separate(corners: Complex) -> tuple[Array, Complex, Complex]:
     widest = gaps.argmax(axis=0)
     chosen = widest * columns.size + columns
     gap = gaps.take(chosen)
-    normal = np.where(widest >= 2, heading[1], heading[0]) * np.copysign(1.0, offsets.take(chosen))
+    signs = np.copysign(1.0, offsets.take(chosen))
+    normal = np.where(widest >= 2, heading[1], heading[0]) * signs
     normal = np.where(widest % 2, 1j * normal, normal)
 
     # Overlapping rectangles are separated first: the closest corner is then the one that was
@@ -155,12 +159,15 @@ def _separate(corners: Complex) -> tuple[Array, Complex, Complex]:
     step = np.maximum(-gap, 0.0) * normal
     # The corners of each in the frame of the other one, and their offsets from it.
     others = np.array((corners[1] + step, corners[0]))
-    seen = (others - np.array((centre[0], centre[1] + step))[:, None]) * heading.conj()[:, None]
-    out = np.maximum(np.abs(seen.view(float)) - half.view(float)[:, None], 0.0).view(complex)
-    nearest = np.abs(out).reshape(8, -1).argmin(axis=0)
+    centre = np.array((centre[0], centre[1] + step))
+    seen = (others - centre[:, None]) * heading.conj()[:, None]
+    outside = np.abs(seen.view(float)) - half.view(float)[:, None]
+    outside = np.maximum(outside, 0.0).view(complex)
+    nearest = np.abs(outside).reshape(8, -1).argmin(axis=0)
     chosen = nearest * columns.size + columns
     by_second = nearest >= 4
-    between = np.copysign(out.take(chosen).view(float), seen.take(chosen).view(float)).view(complex)
+    sizes = outside.take(chosen).view(float)
+    between = np.copysign(sizes, seen.take(chosen).view(float)).view(complex)
     between *= np.where(by_second, heading[1], heading[0])
     point = others.take(chosen) - (between + step) / 2
 
@@ -169,37 +176,40 @@ def _separate(corners: Complex) -> tuple[Array, Complex, Complex]:
     distance = np.where(apart, np.maximum(gap, length), gap)
     # A gap may be positive by rounding with a corner at distance 0. The axis is then the only
     # direction.
-    np.divide(
-        np.where(by_second, -between, between), length, out=normal, where=apart & (length > 0)
-    )
+    towards = np.where(by_second, -between, between)
+    np.divide(towards, length, out=normal, where=apart & (length > 0))
     return distance, normal, point
 
 
 def _frames(corners: Complex) -> tuple[Complex, Complex, Complex]:
-    """Centres, unit headings, and half the lengths ahead with half the widths to the left, each (2, P)."""
+    """Centres, unit headings, and half the lengths with half the widths, each (2, P).
+
+    A length is along the heading, and a width to its left.
+    """
     rear_right, front_right, front_left, rear_left = corners.swapaxes(0, 1)
-    along, left = (front_right - rear_right) / 2, (rear_left - rear_right) / 2
+    along = (front_right - rear_right) / 2
+    left = (rear_left - rear_right) / 2
     wrong = ~((along.conj() * left).imag > 0)
     if wrong.any():
         side, pair = np.argwhere(wrong)[0]
+        name = ("first", "second")[side]
         shown = as_vectors(corners[side, :, pair]).tolist()
-        raise ParameterError(
-            ("first", "second")[side], shown, "rectangles with an area, counter-clockwise"
-        )
+        raise ParameterError(name, shown, "rectangles with an area, counter-clockwise")
     # Both summands point ahead, and the longer side, which rounding turns least, weighs most.
     ahead = along - 1j * left
-    return (rear_right + front_left) / 2, ahead / np.abs(ahead), np.abs(along) + 1j * np.abs(left)
+    half = np.abs(along) + 1j * np.abs(left)
+    return (rear_right + front_left) / 2, ahead / np.abs(ahead), half
 
 
 def _projections(centre: Complex, heading: Complex, half: Complex) -> tuple[Array, Array]:
-    """Gaps between the projections on the four axes, and offsets of the second centre there, each (4, P)."""
+    """Gaps between the projections on the four axes, and offsets of the second centre, (4, P)."""
     facing = heading.conj()
     offset = (centre[1] - centre[0]) * facing
     turn = heading[1] * facing[0]
     other = half[::-1]
     # On the axes of the other rectangle, both the length and the width have a projection.
-    covered = half + (np.abs(turn.real) * other + np.abs(turn.imag) * (1j * other.conj()))
-    offsets, reach = (
-        np.array((z[0].real, z[0].imag, z[1].real, z[1].imag)) for z in (offset, covered)
-    )
+    across = np.abs(turn.imag) * (1j * other.conj())
+    covered = half + (np.abs(turn.real) * other + across)
+    offsets = np.stack([offset.real, offset.imag], axis=1).reshape(4, -1)
+    reach = np.stack([covered.real, covered.imag], axis=1).reshape(4, -1)
     return np.abs(offsets) - reach, offsets

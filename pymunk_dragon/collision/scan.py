@@ -1,6 +1,7 @@
-"""First contact by sampling at equal time steps, with grid, DDA and SAT, then bisection (paper, section 2.2).
+"""First contact by sampling at equal time steps, then bisection (paper, section 2.2).
 
-It misses contacts that open again between two samples; `first_contact.py` does not.
+Grid, DDA and SAT find the benches that overlap. The method misses contacts that open again between
+two samples; `first_contact.py` does not.
 """
 
 from __future__ import annotations
@@ -42,9 +43,10 @@ def scan(
     ----------
     march : March
         The motion.
-    start, until : float
-        Times of the first and the last sample, s. The last one is no later than the end of the
-        curve, and without `until` it is there.
+    start : float
+        Time of the first sample, s.
+    until : float, optional
+        Time of the last sample, s; at the latest, and by default, where the curve ends.
     step : float
         Time between samples, s. The paper gives the second in which the dragon collides.
     progress : callable, optional
@@ -73,10 +75,10 @@ def scan(
     step = positive("step", step, np.inf, "s")
     end = min(until, march.end)
     if (end - start) / step > _MAX_SAMPLES:
-        raise ParameterError(
-            "step", step, f"long enough for at most {_MAX_SAMPLES:,} samples until {end:g} s"
-        )
-    grid, counts = Grid.of(march), {"samples": 0, "tests": 0}
+        bound = f"long enough for at most {_MAX_SAMPLES:,} samples until {end:g} s"
+        raise ParameterError("step", step, bound)
+    grid = Grid.of(march)
+    counts = {"samples": 0, "tests": 0}
 
     def overlapping(poses: Array) -> tuple[int, int] | None:
         corners = march.dragon.outlines(poses)
@@ -88,18 +90,22 @@ def scan(
     def result(status: Status, time: float, pair: tuple[int, int] | None) -> FirstContact:
         return result_at(march, status, time, pair, near_misses=None, resolution=None, **counts)
 
-    if (pair := overlapping(march.at(start).poses[0])) is not None:
+    pair = overlapping(march.at(start).poses[0])
+    if pair is not None:
         return result("overlapping", start, pair)
     before = start
-    for after, poses in _samples(march, np.append(np.arange(start + step, end, step), end)):
+    times = np.append(np.arange(start + step, end, step), end)
+    for after, poses in _samples(march, times):
         pair = overlapping(poses)
         if pair is not None:
             # Bisection between a time at which no benches overlap and one at which `pair` does.
             while after - before > _TOLERANCE and before < (middle := (before + after) / 2) < after:
                 found = overlapping(march.at(middle).poses[0])
-                before, after, pair = (
-                    (middle, after, pair) if found is None else (before, middle, found)
-                )
+                if found is None:
+                    before = middle
+                else:
+                    after = middle
+                    pair = found
             return result("contact", after, pair)
         before = after
         if progress is not None:
