@@ -335,7 +335,9 @@ class Run(ArrayRecord):
             "events": [asdict(event) for event in self.events],
             "provenance": dict(self.provenance),
         }
-        contents: dict[str, Any] = {"notes": np.frombuffer(json.dumps(notes).encode(), dtype=np.uint8)}
+        contents: dict[str, Any] = {
+            "notes": np.frombuffer(json.dumps(notes).encode(), dtype=np.uint8)
+        }
         for name in _KINDS:
             if getattr(self, name) is not None:
                 contents[name] = getattr(self, name)
