@@ -26,7 +26,7 @@ stages["missed-window"] = (lab) => {
   const time = { value: begin };
   /** @type {March} */
   let march;
-  /** @type {{ from: number, to: number, bench: number }[]} */
+  /** @type { { from: number, to: number, bench: number }[]} */
   let touching;
   /** @type {number} */
   let length;

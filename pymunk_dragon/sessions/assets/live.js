@@ -33,7 +33,7 @@ class Live extends Stage {
     /** @type {Poses | null} */
     this.framePoses = NOTHING_YET;
     this.rateKind = ""; // what the rate was measured of
-    /** @type {{ clock: number, time: number }[]} */
+    /** @type { { clock: number, time: number }[]} */
     this.ticks = []; // the session's clock and the simulated time in the last second
     this.aims = false; // whether keys have the field
     this.errorTimer = 0;

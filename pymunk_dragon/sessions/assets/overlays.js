@@ -62,7 +62,7 @@ function drawImpulses(painter, frame) {
   const count = frame.contacts.length / CONTACT_SIZE;
   const many = count > MANY_CONTACTS;
   const path = new Path2D();
-  /** @type {{ impulse: number, px: number, py: number } | null} */
+  /** @type { { impulse: number, px: number, py: number } | null} */
   let largest = null;
   context.fillStyle = COLLISION_COLOUR;
   for (const [x, y, nx, ny, impulse] of rowsOf(frame.contacts, CONTACT_SIZE)) {

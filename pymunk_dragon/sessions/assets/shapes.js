@@ -60,7 +60,7 @@ function isCallVisible(view, { kind, points, radius }) {
 
 /** @type {(painter: LivePainter, calls: Call[]) => void} */
 function drawCalls({ context, view }, calls) {
-  /** @type {{ fill: string, outline?: string, fills: boolean, path: Path2D } | null} */
+  /** @type { { fill: string, outline?: string, fills: boolean, path: Path2D } | null} */
   let run = null;
   const finish = () => {
     if (!run) return;

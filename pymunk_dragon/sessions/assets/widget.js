@@ -1,6 +1,6 @@
 // The widget of a notebook: a frame with the page, and what goes between it and Python.
 
-/** @param {{ model: any, el: HTMLElement }} view */
+/** @param { { model: any, el: HTMLElement }} view */
 function render({ model, el }) {
   const frame = document.createElement("iframe");
   Object.assign(frame, { title: "A live session", width: "100%", height: "720" });

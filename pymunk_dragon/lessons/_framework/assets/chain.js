@@ -97,7 +97,7 @@ class Spiral {
 // In on a spiral, round inside a circle on two arcs whose radii have a ratio, and out;
 // s is 0 at the entry.
 class UTurn {
-  /** @param {{ pitch?: number, radius?: number, ratio?: number }} sizes */
+  /** @param { { pitch?: number, radius?: number, ratio?: number }} sizes */
   constructor({ pitch = 1.7, radius = 4.5, ratio = 2 } = {}) {
     const theta = (TURN * radius) / pitch;
     const aside = Math.atan(theta);

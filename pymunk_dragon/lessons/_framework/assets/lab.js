@@ -36,7 +36,7 @@ class Lab {
     this.rows = [];
     /** @type {StagePane[]} */
     this.panes = [];
-    /** @type {{ knob: HTMLElement, label: Words, pane: StagePane, at: () => Numbers }[]} */
+    /** @type { { knob: HTMLElement, label: Words, pane: StagePane, at: () => Numbers }[]} */
     this.knobs = [];
     this.painted = 0;
     this.colours = readColours();
