@@ -274,9 +274,10 @@ class Run(ArrayRecord):
     def poses_at(self, times: ArrayLike) -> Array:
         """Poses (T, N, 3) at any times, s: m, m, rad.
 
-        Before and after the run, they are those of its first and last frame. Between two frames, they are cubic Hermite polynomials of time. But for an impact between
-        them, their error is at most the interval to the fourth times the fourth derivative over
-        384: 0.02 um on a turn of 2.3 m radius.
+        Before and after the run, they are those of its first and last frame. Between two frames,
+        they are cubic Hermite polynomials of time. But for an impact between them, their error is
+        at most the interval to the fourth times the fourth derivative over 384: 0.02 um on a turn
+        of 2.3 m radius.
         """
         return self._motion_at(times)[0]
 
@@ -331,7 +332,9 @@ class Run(ArrayRecord):
             "events": [asdict(event) for event in self.events],
             "provenance": dict(self.provenance),
         }
-        contents: dict[str, Any] = {"notes": np.frombuffer(json.dumps(notes).encode(), dtype=np.uint8)}
+        contents: dict[str, Any] = {
+            "notes": np.frombuffer(json.dumps(notes).encode(), dtype=np.uint8)
+        }
         for name in _KINDS:
             if getattr(self, name) is not None:
                 contents[name] = getattr(self, name)

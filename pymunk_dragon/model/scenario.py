@@ -128,7 +128,7 @@ class Scenario:
 
     @classmethod
     def of(cls, march: March) -> Scenario:
-        """The scenario of a march; an error if its curve is of a class of your own without a kind."""
+        """Scenario of a march; an error if its curve is of a class of your own without a kind."""
         check_march(march)
         return cls.from_dict(_tables(march))
 
@@ -136,8 +136,8 @@ class Scenario:
     def from_dict(cls, values: Mapping[str, Any], *, files: bool = True) -> Scenario:
         """Scenario from the names of all parameters, or from tables `dragon` and `curve`.
 
-        `to_dict` returns such tables. Parameters at the top level have precedence. `files` is whether a curve or a speed may be
-        the name of a file.
+        `to_dict` returns such tables. Parameters at the top level have precedence. `files` is
+        whether a curve or a speed may be the name of a file.
 
         Examples
         --------

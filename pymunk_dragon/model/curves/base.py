@@ -154,7 +154,8 @@ class Curve(ABC):
         """Feet of the perpendiculars from `points` (..., 2), m, to the path.
 
         They are the feet nearest to the coordinates `near` (...), m: their coordinates (...) and
-        points (..., 2), m, and the unit tangents (..., 2) there. The points have to be closer to the path than its radius of curvature.
+        points (..., 2), m, and the unit tangents (..., 2) there. The points have to be closer to
+        the path than its radius of curvature.
 
         Examples
         --------
@@ -185,7 +186,7 @@ class Curve(ABC):
         raise ParameterError("turns", turns, bound)
 
     def turns(self, s: float) -> float | None:
-        """Number of turns from the centre at the coordinate `s` m; None on a curve without turns."""
+        """Number of turns from the centre at `s` m; None on a curve without turns."""
         finite("s", s, -np.inf, np.inf, "m")
         return None
 
