@@ -88,7 +88,7 @@ class Continuation:
         return handles_s
 
     def motion(self, heads: Array, handles: int) -> ChainMotion:
-        """Motion of the foremost handles for heads (T,), m; nan where no continuous motion leads."""
+        """Motion of the foremost handles for heads (T,), m; nan where no motion leads."""
         spacings = self._spacings[: handles - 1]
         lows = np.minimum(heads, self._head)
         highs = np.maximum(heads, self._head)
@@ -371,7 +371,7 @@ class _Branch:
     def _step(
         self, front: float, rear: float, growth: Array, direction: int
     ) -> tuple[float, float, float]:
-        """Length and half height of a proven cell, and what its reversals may hide, m; 0 at a fold."""
+        """Length, half height and hidden reversal of a proven cell, m; all 0 at a fold."""
         ahead, behind = growth.tolist()
         if behind <= 0:
             return 0.0, 0.0, 0.0

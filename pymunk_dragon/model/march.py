@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pymunk_dragon._arrays import Array, ArrayRecord, as_complex, as_vectors, read_only
-from pymunk_dragon._checks import finite, numbers, positive, whole
+from pymunk_dragon._checks import finite, instance, numbers, positive, whole
 from pymunk_dragon._language import text
 from pymunk_dragon.errors import ParameterError, UnreachableError
 from pymunk_dragon.model._display import table
@@ -60,7 +60,7 @@ class States(ArrayRecord):
     speeds: Array
 
     def __post_init__(self) -> None:
-        for array in (self.times, self.handles_s, self.positions, self.velocities, self.speeds):
+        for array in vars(self).values():
             read_only(array)
 
     def __repr__(self) -> str:
@@ -150,8 +150,7 @@ class March:
     speed: float | SpeedTable = field(default=1.0, kw_only=True)
 
     def __post_init__(self) -> None:
-        if not isinstance(self.dragon, Dragon):
-            raise ParameterError("dragon", self.dragon, "a Dragon")
+        instance("dragon", self.dragon, Dragon, "a Dragon")
         required_curve("curve", self.curve)
         if not isinstance(self.speed, SpeedTable):
             object.__setattr__(self, "speed", self.speed_profile.speeds[0])
@@ -213,8 +212,8 @@ class March:
     def span(self, start: float, until: float) -> tuple[float, float]:
         """Range of coordinates that a picture of the curve shows, m.
 
-        It goes from the begin of the curve to its end, if it has these. Else it begins with the last
-        handle at `start` s, or at 0 s if that has none, and ends with handle 0 at `until`.
+        It goes from the begin of the curve to its end, if it has these. Else it begins with the
+        last handle at `start` s, or at 0 s if that has none, and ends with handle 0 at `until`.
         """
         start = finite("start", start, -np.inf, np.inf, "s")
         until = finite("until", until, -np.inf, np.inf, "s")
@@ -341,8 +340,7 @@ class March:
 
 def check_march(value: object) -> None:
     """Raise a ParameterError if `value` is no march."""
-    if not isinstance(value, March):
-        raise ParameterError("march", value, "a March")
+    instance("march", value, March, "a March")
 
 
 def checked_times(march: March, start: float, until: float | None) -> tuple[float, float]:

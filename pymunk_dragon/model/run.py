@@ -410,7 +410,7 @@ def versions() -> dict[str, str]:
 
 
 def _attributes(provenance: Mapping[str, Any], march: March, start: float) -> dict[str, Any]:
-    """Attributes of a run from its `provenance`; `start` is that of its first frame, s."""
+    """Attributes of a run from its `provenance`; `start` is the time of its first frame, s."""
     for name in ("player", "guide"):
         instance(name, provenance.get(name), str | NoneType, "a text")
     instance("versions", provenance.get("versions"), Mapping | NoneType, "a mapping")
@@ -422,18 +422,12 @@ def _attributes(provenance: Mapping[str, Any], march: March, start: float) -> di
     if free_from is not None:
         whole("free_from", free_from, 1, march.dragon.benches - 1)
 
-    names = [each.name for each in fields(EngineSettings) if each.name in provenance]
+    names = provenance.keys() & {each.name for each in fields(EngineSettings)}
     settings = EngineSettings(**{name: provenance[name] for name in names}) if names else None
     start = finite("start", provenance.get("start", start), -math.inf, math.inf, "s")
-    return {
-        "player": provenance.get("player"),
-        "guide": provenance.get("guide"),
-        "free_from": free_from,
-        "settings": settings,
-        "start": start,
-        "substeps": substeps,
-        "versions": provenance.get("versions") or {},
-    }
+    given = {name: provenance.get(name) for name in ("player", "guide", "free_from", "substeps")}
+    given["versions"] = provenance.get("versions") or {}
+    return {**given, "settings": settings, "start": start}
 
 
 def _differences(times: Array, poses: Array) -> Array:

@@ -56,7 +56,7 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
 
-from pymunk_dragon._checks import flag, label, numbers
+from pymunk_dragon._checks import flag, instance, label, numbers
 from pymunk_dragon._files import read_text
 from pymunk_dragon.errors import FileFormatError, ParameterError
 from pymunk_dragon.model.curves import Curve, Sampled
@@ -184,14 +184,12 @@ class Scenario:
     @staticmethod
     def flat(values: Mapping[str, Any]) -> dict[str, Any]:
         """Values by the names of the parameters of a `Scenario`, from nested tables or values."""
-        if not isinstance(values, Mapping):
-            raise ParameterError("scenario", values, "a mapping of names and values")
+        instance("scenario", values, Mapping, "a mapping of names and values")
         for name in values:
             label("name of a value", name)
         flat = {name: value for name, value in values.items() if name != "dragon"}
         dragon = values.get("dragon", {})
-        if not isinstance(dragon, Mapping):
-            raise ParameterError("dragon", dragon, "a table with parameters of the dragon")
+        instance("dragon", dragon, Mapping, "a table with parameters of the dragon")
         for name, value in dragon.items():
             if name not in _DRAGON:
                 bound = f"absent; known are {', '.join(_DRAGON)}"

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pymunk_dragon._arrays import Array, Complex, as_complex
-from pymunk_dragon._checks import finite, fitting, numbers, within, word
+from pymunk_dragon._checks import finite, fitting, instance, numbers, within, word
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model import chain
 
@@ -210,9 +210,8 @@ class Curve(ABC):
         >>> Curve.from_dict({"kind": "line", "stop": [3, 4]})
         Line(start=(0.0, 0.0), stop=(3.0, 4.0))
         """
-        if not isinstance(values, Mapping):
-            bound = "a table with the kind of a curve and its parameters"
-            raise ParameterError("curve", values, bound)
+        bound = "a table with the kind of a curve and its parameters"
+        instance("curve", values, Mapping, bound)
         curve: Curve = _made(values, "curve", 1)
         return curve
 
@@ -314,8 +313,7 @@ def within_reach(name: str, s: Array) -> Array:
 
 def required_curve(name: str, value: object) -> None:
     """Raise a ParameterError if `value` is no curve."""
-    if not isinstance(value, Curve):
-        raise ParameterError(name, value, "a Curve")
+    instance(name, value, Curve, "a Curve")
 
 
 def parameters_of(cls: type[Any]) -> dict[str, bool]:

@@ -119,7 +119,7 @@ class Composite(PackageCurve, kind="composite"):
             raise ParameterError("pieces", self.pieces, bound)
 
     def _parts(self, joints: tuple[float, ...], values: Array) -> Iterator[tuple[_Link, Any]]:
-        """Pieces that end at `joints`, with indices of the values (...) on each; nan is on the last."""
+        """Pieces that end at `joints`, and indices of the values on each; the last has nan."""
         index = np.searchsorted(joints, values, side="right")
         first = int(index.min(initial=len(joints)))
         last = int(index.max(initial=0))

@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pymunk_dragon._arrays import Array, Complex, as_complex, as_vectors
-from pymunk_dragon._checks import finite, fitting, numbers, positive
-from pymunk_dragon.errors import ParameterError
+from pymunk_dragon._checks import finite, fitting, instance, numbers, positive
 from pymunk_dragon.model.curves.base import PackageCurve, within_reach
 
 # m. No bench fits into a narrower turn.
@@ -66,8 +65,7 @@ class Spiral(PackageCurve, kind="spiral"):
         pitch = finite("pitch", self.pitch, _MIN_PITCH, MAX_PITCH, "m")
         rotation = finite("rotation", self.rotation, -1000.0, 1000.0, "rad")
         self._set(pitch=pitch, rotation=rotation)
-        if not isinstance(self.outward, bool):
-            raise ParameterError("outward", self.outward, "True or False")
+        instance("outward", self.outward, bool, "True or False")
         begin_s, end_s = (0.0, np.inf) if self.outward else (-np.inf, 0.0)
         self._set(begin_s=begin_s, end_s=end_s, turn_width=pitch)
 
