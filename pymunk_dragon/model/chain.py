@@ -138,10 +138,12 @@ def chains(path: Curve, heads: Array, spacings: Array) -> ChainMotion:
         number = int(rest.sum())
         handles_s = np.full((number, spacings.size + 1), np.nan)
         handles_s[:, : _BLOCK + 1] = _bench_by_bench(path, heads[rest], spacings[:_BLOCK])
+
         behind = ~np.isnan(handles_s[:, min(_BLOCK, spacings.size)])
         if spacings.size > _BLOCK and behind.any():
             fronts = handles_s[behind, _BLOCK]
             handles_s[behind, _BLOCK:] = chains(path, fronts, spacings[_BLOCK:]).handles_s
+
         for into, part in zip(found, chain_motion(path, handles_s, spacings), strict=True):
             into[rest] = part
     return found

@@ -95,6 +95,7 @@ class Continuation:
         direct = self._gentle(lows, highs, spacings)
         if direct.all():
             return chains(self._curve, heads, spacings)
+
         handles_s = np.empty((heads.size, handles))
         handles_s[direct] = self._curve.chain(heads[direct], spacings)
         handles_s[~direct] = self._followed(heads[~direct], handles)
@@ -161,6 +162,7 @@ class Continuation:
             spacing = float(self._spacings[bench])
             branch = _Branch(self._curve, spacing, *self.start[bench : bench + 2].tolist())
             others = rest[self._spacings[rest] == spacing]
+
             fronts = self.start[others]
             branch.cover(fronts.min(), fronts.max())
             rears = self.start[others + 1]
@@ -273,6 +275,7 @@ class _Branch:
         missing = np.isnan(rears)
         if missing.any():
             rears[missing] = self.rear(fronts[missing])
+
         low = np.minimum(*rears)
         high = np.maximum(*rears)
         for front_s, rear_s in self._reversals:
@@ -395,7 +398,7 @@ class _Branch:
         if step <= certain:
             return step, half, 0.0
         step = min(step, max(certain, _REVERSAL * self._chord))
-        # Else |A| is below 2 `change` times the step in it.
+        # |A| is below 2 `change` times the step in a longer cell.
         return step, half, 0.0 if step <= certain else 8 * change * step**2 / behind
 
     def _reversal(

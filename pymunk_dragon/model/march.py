@@ -158,6 +158,7 @@ class March:
         turn_width = self.curve.turn_width
         if turn_width is not None and turn_width <= widest:
             raise ParameterError("pitch", turn_width, f"more than the width, {widest:g} m")
+
         self._check_start()
         if np.isnan(start := self.continuation.start).any():
             raise self._misfit(int(np.isnan(start).argmax()))
@@ -194,6 +195,7 @@ class March:
             return self.curve.at_turn(self.turns)
         if self.curve.begin_s == -np.inf:
             return min(0.0, self.curve.end_s)
+
         # The dragon from its tail on: its handles follow each other back along the reversed curve.
         tail = self.curve.begin_s + _CLEAR_OF_BEGIN
         handles_s = Reversed(self.curve).chain([-tail], self.dragon.spacings[::-1])
@@ -242,7 +244,7 @@ class March:
         return Continuation(self.curve, self.head_start, self.dragon.spacings)
 
     def at_unit_speed(self) -> March:
-        """The same march at 1 m/s, not for use in another thread: its times are distances, m."""
+        """The march at 1 m/s, not for use in another thread: its times are distances, m."""
         march = March(self.dragon, self.curve, start_s=self.head_start)
         # One continuation for both: no part of the curve is followed twice.
         vars(march)["continuation"] = self.continuation
@@ -288,7 +290,7 @@ class March:
         return motion
 
     def motion_or_nan(self, times: ArrayLike, handles: int | None = None) -> ChainMotion:
-        """As `motion`, with nan for handles that have no coordinate, and for all behind them."""
+        """What `motion` returns, but nan for handles without a coordinate and all behind them."""
         t = numbers("times", times).flatten()
         travelled = self.distance(t)
         bad = ~(np.isfinite(t) & (travelled >= -_MAX_RETREAT))
@@ -322,6 +324,7 @@ class March:
         lost = np.isnan(handles_s)
         affected = np.flatnonzero(lost[:, -1])
         row = affected[times[affected].argmin()]
+
         handle = int(lost[row].argmax())
         if handle == 0:
             verb, limit = "ends", self.curve.end_s
@@ -335,6 +338,7 @@ class March:
             if handles_s[row, handle - 1] - self.curve.begin_s < spacing:
                 near = f"less than a spacing of {spacing:g} m"
                 reason = f"the curve begins {near} behind handle {handle - 1}"
+
         return UnreachableError(float(times[row]), handle, reason)
 
 

@@ -206,6 +206,7 @@ class Run(ArrayRecord):
             lines = [line.format(t=until)]
         else:
             lines = [contact_text(self.outcome, None, None, until)]
+
         if self.player != "exact":
             drift = text(
                 "drift {head:.3f} mm in the first twelve benches, {largest:.3f} mm anywhere"
@@ -332,12 +333,14 @@ class Run(ArrayRecord):
             "events": [asdict(event) for event in self.events],
             "provenance": dict(self.provenance),
         }
+
         contents: dict[str, Any] = {
             "notes": np.frombuffer(json.dumps(notes).encode(), dtype=np.uint8)
         }
         for name in _KINDS:
             if getattr(self, name) is not None:
                 contents[name] = getattr(self, name)
+
         if isinstance(path, str | Path):
             destination = check_destination(path, [".npz"])
             with written_in_place(destination) as draft, draft.open("wb") as file:
@@ -446,6 +449,7 @@ def _differences(times: Array, poses: Array) -> Array:
     if len(kept) == 1:
         # All of a very short run.
         kept.append(times.size - 1)
+
     poses = poses.copy()
     poses[..., 2] = np.unwrap(poses[..., 2], axis=0)
     order: Any = min(2, len(kept) - 1)

@@ -86,15 +86,32 @@ class Scenario:
 
     Parameters
     ----------
-    benches, head_spacing, body_spacing, overhang, width, turns, start_s
-        As in `Dragon` and `March`.
+    benches : int
+        Number of benches, as of a `Dragon`; so are the next four.
+    head_spacing : float
+    body_spacing : float or sequence of float
+    overhang : float or sequence of float
+    width : float or sequence of float
+    turns : float
+        Where the march starts, as of a `March`; so is `start_s`.
+    start_s : float
     curve : str, Curve or mapping
         "spiral", "u-turn", "sampled" for a `Sampled` path through `points`, or a CSV file of these
         points. Any other registered curve is given as itself or as a table,
         ``{kind = "line", start = [0, 0], stop = [40, 0]}`` in TOML; the tables of a `Composite` are
         its ``pieces``.
-    pitch, rotation, outward, radius, ratio, points
-        As in `Spiral`, `UTurn` and `Sampled`.
+    pitch : float
+        Of a `Spiral` or a `UTurn`.
+    rotation : float
+        Of a `Spiral`.
+    outward : bool
+        Of a `Spiral`.
+    radius : float
+        Of a `UTurn`.
+    ratio : float
+        Of a `UTurn`.
+    points : array_like
+        Of a `Sampled` path.
     speed : float, sequence of (float, float) or str
         In m/s, as in `March`, or a table of times in s and speeds in m/s, or a CSV file of it.
 

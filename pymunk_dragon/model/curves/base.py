@@ -169,6 +169,7 @@ class Curve(ABC):
         fitting("points and near", xy.shape[:-1], s.shape)
         begin, end = self.begin_s, self.end_s
         s = np.clip(s, begin, end)
+
         # Points far from the path have no foot, but numbers without a meaning.
         with np.errstate(all="ignore"):
             for _ in range(_FOOT_PASSES):
@@ -335,6 +336,7 @@ def _plain(value: Any, where: str, depth: int) -> Any:
         kinds = ", ".join(sorted(Curve.kinds))
         bound = f"a curve of a registered kind: {kinds} or one of your own"
         raise ParameterError(where, type(value).__name__, bound)
+
     plain = {"kind": value.kind}
     for name in parameters_of(type(value)):
         plain[name] = _plain(getattr(value, name), f"{where}.{name}", depth + 1)
@@ -349,6 +351,7 @@ def _made(values: Any, where: str, depth: int) -> Any:
         return values
     if depth > _MAX_DEPTH:
         raise ParameterError("curve", values, f"nested in at most {_MAX_DEPTH - 1} other curves")
+
     given = dict(values)
     kind = word(f"{where}.kind", given.pop("kind", None), sorted(Curve.kinds))
     _check_names(kind, given, where)
@@ -370,6 +373,7 @@ def _check_names(kind: str, given: Mapping[str, Any], where: str) -> None:
             hint = f"kinds with it: {', '.join(owners)}" if owners else f"it has {', '.join(known)}"
             bound = f"absent on a {kind} curve; {hint}"
             raise ParameterError(f"{where}.{name}", given[name], bound)
+
     for name, required in known.items():
         if required and name not in given:
             bound = f"given: the kind {kind} has no default for it"

@@ -119,6 +119,7 @@ def _check_values(curve: Curve, s: Array, edges: dict[float, Array]) -> None:
         _require(curve, method, inside, found, np.isfinite(found), "finite from begin_s to end_s")
         found = _result(curve, method, outside)
         _require(curve, method, outside, found, np.isnan(found), "nan beyond the ends")
+
         for arguments in (s[:6].reshape(2, 3), np.empty((0, 4)), s[::-37]):
             each = arguments.ravel()
             alone = [_result(curve, method, one) for one in each.tolist()]

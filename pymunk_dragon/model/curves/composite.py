@@ -250,7 +250,7 @@ class Reversed(PackageCurve, kind="reversed"):
     Parameters
     ----------
     curve : Curve
-        The same path, travelled forward.
+        The path in its own direction.
 
     Examples
     --------

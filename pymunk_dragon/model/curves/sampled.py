@@ -168,11 +168,13 @@ def _checked(points: object) -> Array:
     if array.ndim != 2 or array.shape[1] != 2 or not _MIN_POINTS <= len(array) <= _MAX_POINTS:
         bound = f"{_MIN_POINTS} to {_MAX_POINTS} points, each x and y in m"
         raise ParameterError("points", points, bound)
+
     far = ~(np.abs(array).max(axis=1) <= FARTHEST)
     if far.any():
         i = int(far.argmax())
         bound = f"at most {FARTHEST:g} m from the origin along either axis"
         raise ParameterError(f"point {i + 1}", array[i].tolist(), bound)
+
     close = np.abs(np.diff(as_complex(array))) < _MIN_CHORD
     if close.any():
         i = int(close.argmax()) + 1
@@ -228,6 +230,7 @@ def _bounds(cubics: Complex) -> tuple[Array, Array]:
     ones, twos, threes = (np.square(np.abs(each)) for each in (one, two, three))
     squares = np.stack([ones, 2 * a.real, twos + 2 * b.real, 2 * c.real, threes])
     slowest = np.sqrt(np.maximum((_BERNSTEIN_4 @ squares).min(axis=0), 0.0))
+
     turning = np.stack([a.imag, 2 * b.imag, c.imag])
     with np.errstate(divide="ignore", invalid="ignore"):
         return slowest, np.abs(_BERNSTEIN_2 @ turning).max(axis=0) / slowest**3
@@ -249,6 +252,7 @@ def _solved(cubics: Complex, s: Array, lengths: Array) -> Array:
     first = lengths / _speed(cubics, 0.0)
     last = lengths / _speed(cubics, 1.0)
     w = share * (first + share * (3 - 2 * first - last + share * (first + last - 2)))
+
     for _ in range(_MAX_PASSES):
         step = (_travelled(cubics, w) - s) / _speed(cubics, w)
         w = np.clip(w - step, 0.0, 1.0)

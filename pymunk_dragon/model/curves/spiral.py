@@ -196,14 +196,17 @@ class Spiral(PackageCurve, kind="spiral"):
         chords = spacings / self.k
         squares = np.empty((spacings.size + 1, heads.size))
         squares[0] = parameters**2
+
         # 1 / M.
         middles = 2 * np.cumsum(chords, axis=0) - chords
         growth = 1 / (squares[0] + middles)
         sine = np.minimum(chords**2 / 4 * growth, 1.0)
+
         # The series of arcsin x / x, and the root of (M - 1) / M.
         growth *= -0.5
         growth += 1
         growth *= 1 + sine * (1 / 6 + sine * (3 / 40))
+
         np.cumsum(2 * chords * growth, axis=0, out=squares[1:])
         squares[1:] += squares[0]
         estimate: Array = -np.sqrt(squares, out=squares)
