@@ -157,6 +157,7 @@ class ContactLog(tuple[ContactEvent, ...]):
             elif event.phase == "separate" and pair in open_since:
                 begin = open_since.pop(pair)
                 windows.append(ContactWindow(benches=pair, begin=begin, end=event.time))
+
         for pair, begin in open_since.items():
             windows.append(ContactWindow(benches=pair, begin=begin, end=None))
         return sorted(windows, key=lambda window: (window.begin, window.benches))
@@ -180,6 +181,7 @@ def contact_text(
             "no contact until t = {t:.6g} s, after which a handle has no position on the curve"
         )
         return lost.format(t=time)
+
     values = {"i": benches[0], "j": benches[1], "t": f"{time:.{decimals}f}"}
     if status == "overlapping":
         return text("benches {i} and {j} overlap at the start, t = {t} s").format(**values)

@@ -88,13 +88,14 @@ class Continuation:
         return handles_s
 
     def motion(self, heads: Array, handles: int) -> ChainMotion:
-        """Motion of the foremost handles for heads (T,), m; nan where no continuous motion leads."""
+        """Motion of the foremost handles for heads (T,), m; nan where no motion leads."""
         spacings = self._spacings[: handles - 1]
         lows = np.minimum(heads, self._head)
         highs = np.maximum(heads, self._head)
         direct = self._gentle(lows, highs, spacings)
         if direct.all():
             return chains(self._curve, heads, spacings)
+
         handles_s = np.empty((heads.size, handles))
         handles_s[direct] = self._curve.chain(heads[direct], spacings)
         handles_s[~direct] = self._followed(heads[~direct], handles)
@@ -161,6 +162,7 @@ class Continuation:
             spacing = float(self._spacings[bench])
             branch = _Branch(self._curve, spacing, *self.start[bench : bench + 2].tolist())
             others = rest[self._spacings[rest] == spacing]
+
             fronts = self.start[others]
             branch.cover(fronts.min(), fronts.max())
             rears = self.start[others + 1]
@@ -273,6 +275,7 @@ class _Branch:
         missing = np.isnan(rears)
         if missing.any():
             rears[missing] = self.rear(fronts[missing])
+
         low = np.minimum(*rears)
         high = np.maximum(*rears)
         for front_s, rear_s in self._reversals:
@@ -371,7 +374,7 @@ class _Branch:
     def _step(
         self, front: float, rear: float, growth: Array, direction: int
     ) -> tuple[float, float, float]:
-        """Length and half height of a proven cell, and what its reversals may hide, m; 0 at a fold."""
+        """Length, half height and hidden reversal of a proven cell, m; all 0 at a fold."""
         ahead, behind = growth.tolist()
         if behind <= 0:
             return 0.0, 0.0, 0.0
@@ -395,7 +398,7 @@ class _Branch:
         if step <= certain:
             return step, half, 0.0
         step = min(step, max(certain, _REVERSAL * self._chord))
-        # Else |A| is below 2 `change` times the step in it.
+        # |A| is below 2 `change` times the step in a longer cell.
         return step, half, 0.0 if step <= certain else 8 * change * step**2 / behind
 
     def _reversal(

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pymunk_dragon._arrays import Array, ArrayRecord, as_complex, as_vectors, read_only
-from pymunk_dragon._checks import finite, numbers, positive, whole
+from pymunk_dragon._checks import finite, instance, numbers, positive, whole
 from pymunk_dragon._language import text
 from pymunk_dragon.errors import ParameterError, UnreachableError
 from pymunk_dragon.model._display import table
@@ -60,7 +60,7 @@ class States(ArrayRecord):
     speeds: Array
 
     def __post_init__(self) -> None:
-        for array in (self.times, self.handles_s, self.positions, self.velocities, self.speeds):
+        for array in vars(self).values():
             read_only(array)
 
     def __repr__(self) -> str:
@@ -150,8 +150,7 @@ class March:
     speed: float | SpeedTable = field(default=1.0, kw_only=True)
 
     def __post_init__(self) -> None:
-        if not isinstance(self.dragon, Dragon):
-            raise ParameterError("dragon", self.dragon, "a Dragon")
+        instance("dragon", self.dragon, Dragon, "a Dragon")
         required_curve("curve", self.curve)
         if not isinstance(self.speed, SpeedTable):
             object.__setattr__(self, "speed", self.speed_profile.speeds[0])
@@ -159,6 +158,7 @@ class March:
         turn_width = self.curve.turn_width
         if turn_width is not None and turn_width <= widest:
             raise ParameterError("pitch", turn_width, f"more than the width, {widest:g} m")
+
         self._check_start()
         if np.isnan(start := self.continuation.start).any():
             raise self._misfit(int(np.isnan(start).argmax()))
@@ -195,6 +195,7 @@ class March:
             return self.curve.at_turn(self.turns)
         if self.curve.begin_s == -np.inf:
             return min(0.0, self.curve.end_s)
+
         # The dragon from its tail on: its handles follow each other back along the reversed curve.
         tail = self.curve.begin_s + _CLEAR_OF_BEGIN
         handles_s = Reversed(self.curve).chain([-tail], self.dragon.spacings[::-1])
@@ -213,8 +214,8 @@ class March:
     def span(self, start: float, until: float) -> tuple[float, float]:
         """Range of coordinates that a picture of the curve shows, m.
 
-        It goes from the begin of the curve to its end, if it has these. Else it begins with the last
-        handle at `start` s, or at 0 s if that has none, and ends with handle 0 at `until`.
+        It goes from the begin of the curve to its end, if it has these. Else it begins with the
+        last handle at `start` s, or at 0 s if that has none, and ends with handle 0 at `until`.
         """
         start = finite("start", start, -np.inf, np.inf, "s")
         until = finite("until", until, -np.inf, np.inf, "s")
@@ -243,7 +244,7 @@ class March:
         return Continuation(self.curve, self.head_start, self.dragon.spacings)
 
     def at_unit_speed(self) -> March:
-        """The same march at 1 m/s, not for use in another thread: its times are distances, m."""
+        """The march at 1 m/s, not for use in another thread: its times are distances, m."""
         march = March(self.dragon, self.curve, start_s=self.head_start)
         # One continuation for both: no part of the curve is followed twice.
         vars(march)["continuation"] = self.continuation
@@ -289,7 +290,7 @@ class March:
         return motion
 
     def motion_or_nan(self, times: ArrayLike, handles: int | None = None) -> ChainMotion:
-        """As `motion`, with nan for handles that have no coordinate, and for all behind them."""
+        """What `motion` returns, but nan for handles without a coordinate and all behind them."""
         t = numbers("times", times).flatten()
         travelled = self.distance(t)
         bad = ~(np.isfinite(t) & (travelled >= -_MAX_RETREAT))
@@ -323,6 +324,7 @@ class March:
         lost = np.isnan(handles_s)
         affected = np.flatnonzero(lost[:, -1])
         row = affected[times[affected].argmin()]
+
         handle = int(lost[row].argmax())
         if handle == 0:
             verb, limit = "ends", self.curve.end_s
@@ -336,13 +338,13 @@ class March:
             if handles_s[row, handle - 1] - self.curve.begin_s < spacing:
                 near = f"less than a spacing of {spacing:g} m"
                 reason = f"the curve begins {near} behind handle {handle - 1}"
+
         return UnreachableError(float(times[row]), handle, reason)
 
 
 def check_march(value: object) -> None:
     """Raise a ParameterError if `value` is no march."""
-    if not isinstance(value, March):
-        raise ParameterError("march", value, "a March")
+    instance("march", value, March, "a March")
 
 
 def checked_times(march: March, start: float, until: float | None) -> tuple[float, float]:

@@ -210,6 +210,7 @@ class Run(ArrayRecord):
             lines = [line.format(t=until)]
         else:
             lines = [contact_text(self.outcome, None, None, until)]
+
         if self.player != "exact":
             drift = text(
                 "drift {head:.3f} mm in the first twelve benches, {largest:.3f} mm anywhere"
@@ -278,9 +279,10 @@ class Run(ArrayRecord):
     def poses_at(self, times: ArrayLike) -> Array:
         """Poses (T, N, 3) at any times, s: m, m, rad.
 
-        Before and after the run, they are those of its first and last frame. Between two frames, they are cubic Hermite polynomials of time. But for an impact between
-        them, their error is at most the interval to the fourth times the fourth derivative over
-        384: 0.02 um on a turn of 2.3 m radius.
+        Before and after the run, they are those of its first and last frame. Between two frames,
+        they are cubic Hermite polynomials of time. But for an impact between them, their error is
+        at most the interval to the fourth times the fourth derivative over 384: 0.02 um on a turn
+        of 2.3 m radius.
         """
         return self._motion_at(times)[0]
 
@@ -335,12 +337,14 @@ class Run(ArrayRecord):
             "events": [asdict(event) for event in self.events],
             "provenance": dict(self.provenance),
         }
+
         contents: dict[str, Any] = {
             "notes": np.frombuffer(json.dumps(notes).encode(), dtype=np.uint8)
         }
         for name in _KINDS:
             if getattr(self, name) is not None:
                 contents[name] = getattr(self, name)
+
         if isinstance(path, str | Path):
             destination = check_destination(path, [".npz"])
             with written_in_place(destination) as draft, draft.open("wb") as file:
@@ -413,7 +417,7 @@ def versions() -> dict[str, str]:
 
 
 def _attributes(provenance: Mapping[str, Any], march: March, start: float) -> dict[str, Any]:
-    """Attributes of a run from its `provenance`; `start` is that of its first frame, s."""
+    """Attributes of a run from its `provenance`; `start` is the time of its first frame, s."""
     for name in ("player", "guide"):
         instance(name, provenance.get(name), str | NoneType, "a text")
     instance("versions", provenance.get("versions"), Mapping | NoneType, "a mapping")
@@ -425,18 +429,12 @@ def _attributes(provenance: Mapping[str, Any], march: March, start: float) -> di
     if free_from is not None:
         whole("free_from", free_from, 1, march.dragon.benches - 1)
 
-    names = [each.name for each in fields(EngineSettings) if each.name in provenance]
+    names = provenance.keys() & {each.name for each in fields(EngineSettings)}
     settings = EngineSettings(**{name: provenance[name] for name in names}) if names else None
     start = finite("start", provenance.get("start", start), -math.inf, math.inf, "s")
-    return {
-        "player": provenance.get("player"),
-        "guide": provenance.get("guide"),
-        "free_from": free_from,
-        "settings": settings,
-        "start": start,
-        "substeps": substeps,
-        "versions": provenance.get("versions") or {},
-    }
+    given = {name: provenance.get(name) for name in ("player", "guide", "free_from", "substeps")}
+    given["versions"] = provenance.get("versions") or {}
+    return {**given, "settings": settings, "start": start}
 
 
 def _differences(times: Array, poses: Array) -> Array:
@@ -455,6 +453,7 @@ def _differences(times: Array, poses: Array) -> Array:
     if len(kept) == 1:
         # All of a very short run.
         kept.append(times.size - 1)
+
     poses = poses.copy()
     poses[..., 2] = np.unwrap(poses[..., 2], axis=0)
     order: Any = min(2, len(kept) - 1)

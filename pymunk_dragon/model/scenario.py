@@ -56,7 +56,7 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
 
-from pymunk_dragon._checks import flag, label, numbers
+from pymunk_dragon._checks import flag, instance, label, numbers
 from pymunk_dragon._files import read_text
 from pymunk_dragon.errors import FileFormatError, ParameterError
 from pymunk_dragon.model.curves import Curve, Sampled
@@ -86,15 +86,32 @@ class Scenario:
 
     Parameters
     ----------
-    benches, head_spacing, body_spacing, overhang, width, turns, start_s
-        As in `Dragon` and `March`.
+    benches : int
+        Number of benches, as of a `Dragon`; so are the next four.
+    head_spacing : float
+    body_spacing : float or sequence of float
+    overhang : float or sequence of float
+    width : float or sequence of float
+    turns : float
+        Where the march starts, as of a `March`; so is `start_s`.
+    start_s : float
     curve : str, Curve or mapping
         "spiral", "u-turn", "sampled" for a `Sampled` path through `points`, or a CSV file of these
         points. Any other registered curve is given as itself or as a table,
         ``{kind = "line", start = [0, 0], stop = [40, 0]}`` in TOML; the tables of a `Composite` are
         its ``pieces``.
-    pitch, rotation, outward, radius, ratio, points
-        As in `Spiral`, `UTurn` and `Sampled`.
+    pitch : float
+        Of a `Spiral` or a `UTurn`.
+    rotation : float
+        Of a `Spiral`.
+    outward : bool
+        Of a `Spiral`.
+    radius : float
+        Of a `UTurn`.
+    ratio : float
+        Of a `UTurn`.
+    points : array_like
+        Of a `Sampled` path.
     speed : float, sequence of (float, float) or str
         In m/s, as in `March`, or a table of times in s and speeds in m/s, or a CSV file of it.
 
@@ -128,7 +145,7 @@ class Scenario:
 
     @classmethod
     def of(cls, march: March) -> Scenario:
-        """The scenario of a march; an error if its curve is of a class of your own without a kind."""
+        """Scenario of a march; an error if its curve is of a class of your own without a kind."""
         check_march(march)
         return cls.from_dict(_tables(march))
 
@@ -136,8 +153,8 @@ class Scenario:
     def from_dict(cls, values: Mapping[str, Any], *, files: bool = True) -> Scenario:
         """Scenario from the names of all parameters, or from tables `dragon` and `curve`.
 
-        `to_dict` returns such tables. Parameters at the top level have precedence. `files` is whether a curve or a speed may be
-        the name of a file.
+        `to_dict` returns such tables. Parameters at the top level have precedence. `files` is
+        whether a curve or a speed may be the name of a file.
 
         Examples
         --------
@@ -184,14 +201,12 @@ class Scenario:
     @staticmethod
     def flat(values: Mapping[str, Any]) -> dict[str, Any]:
         """Values by the names of the parameters of a `Scenario`, from nested tables or values."""
-        if not isinstance(values, Mapping):
-            raise ParameterError("scenario", values, "a mapping of names and values")
+        instance("scenario", values, Mapping, "a mapping of names and values")
         for name in values:
             label("name of a value", name)
         flat = {name: value for name, value in values.items() if name != "dragon"}
         dragon = values.get("dragon", {})
-        if not isinstance(dragon, Mapping):
-            raise ParameterError("dragon", dragon, "a table with parameters of the dragon")
+        instance("dragon", dragon, Mapping, "a table with parameters of the dragon")
         for name, value in dragon.items():
             if name not in _DRAGON:
                 bound = f"absent; known are {', '.join(_DRAGON)}"

@@ -62,6 +62,7 @@ class SpeedTable:
             entries = enumerate(values.tolist())
             checked = (finite(f"{name}[{i}]", value, *bounds) for i, value in entries)
             object.__setattr__(self, name, tuple(checked))
+
         if len(self.times) != len(self.speeds):
             raise ParameterError("speeds", self.speeds, f"as many as the times, {len(self.times)}")
         close = np.diff(self.times) < _MIN_STEP
@@ -90,6 +91,7 @@ class SpeedTable:
         begin = finite("start", start, -MAX_TIME, MAX_TIME, "s")
         end = finite("until", until, -MAX_TIME, MAX_TIME, "s")
         length = positive("until", end - begin, np.inf, "s after start")
+
         shortest = max(_MIN_STEP, length / _MAX_ENTRIES)
         steps = int(np.ceil(length / finite("step", step, shortest, length, "s")))
         times = np.linspace(begin, begin + length, steps + 1)
@@ -120,7 +122,8 @@ class SpeedTable:
     def distance(self, t: ArrayLike) -> Array:
         """Distance (T,), m, travelled from time 0 to `t` (T,) in s; negative before 0."""
         t = _rounded(numbers("t", t))
-        if len(self.speeds) == 1:  # As most are; the general way takes twenty times as long.
+        # Most tables have one entry; the general way takes twenty times as long.
+        if len(self.speeds) == 1:
             return np.asarray(self.speeds[0] * t)
         times, speeds, accelerations, distances = self._knots
         i = np.maximum(np.searchsorted(times, t, side="right") - 1, 0)
@@ -166,6 +169,7 @@ class SpeedTable:
         slopes = np.concatenate([[0.0], slopes, [0.0]])
         accelerations = slopes[np.searchsorted(self.times, times, side="right")]
         steps = np.diff(times) * (speeds[:-1] + speeds[1:]) / 2
+
         # From time 0 in both directions: a table that begins long before must not add rounding
         # errors near 0.
         zero = int(np.searchsorted(times, 0.0))

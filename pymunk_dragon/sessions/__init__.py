@@ -3,8 +3,8 @@
 `pip install 'pymunk-dragon[live]'`, and then
 
 ```sh
-pymunk-dragon live              # the dragon; or live unguided, near-miss, jam, pendulum, cradle,
-boxes ... pymunk-dragon live --benches 40 --pitch 0.45 --record session.json
+pymunk-dragon live              # the dragon; or live unguided, near-miss, jam, pendulum, cradle, boxes ...
+pymunk-dragon live --benches 40 --pitch 0.45 --record session.json
 ```
 
 opens a page on which Pymunk plays in real time. Drag any bench with the mouse or a finger, cut

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pymunk_dragon._arrays import Array, Complex, as_complex
-from pymunk_dragon._checks import finite, fitting, numbers, within, word
+from pymunk_dragon._checks import finite, fitting, instance, numbers, within, word
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model import chain
 
@@ -154,7 +154,8 @@ class Curve(ABC):
         """Feet of the perpendiculars from `points` (..., 2), m, to the path.
 
         They are the feet nearest to the coordinates `near` (...), m: their coordinates (...) and
-        points (..., 2), m, and the unit tangents (..., 2) there. The points have to be closer to the path than its radius of curvature.
+        points (..., 2), m, and the unit tangents (..., 2) there. The points have to be closer to
+        the path than its radius of curvature.
 
         Examples
         --------
@@ -168,6 +169,7 @@ class Curve(ABC):
         fitting("points and near", xy.shape[:-1], s.shape)
         begin, end = self.begin_s, self.end_s
         s = np.clip(s, begin, end)
+
         # Points far from the path have no foot, but numbers without a meaning.
         with np.errstate(all="ignore"):
             for _ in range(_FOOT_PASSES):
@@ -185,7 +187,7 @@ class Curve(ABC):
         raise ParameterError("turns", turns, bound)
 
     def turns(self, s: float) -> float | None:
-        """Number of turns from the centre at the coordinate `s` m; None on a curve without turns."""
+        """Number of turns from the centre at `s` m; None on a curve without turns."""
         finite("s", s, -np.inf, np.inf, "m")
         return None
 
@@ -209,9 +211,8 @@ class Curve(ABC):
         >>> Curve.from_dict({"kind": "line", "stop": [3, 4]})
         Line(start=(0.0, 0.0), stop=(3.0, 4.0))
         """
-        if not isinstance(values, Mapping):
-            bound = "a table with the kind of a curve and its parameters"
-            raise ParameterError("curve", values, bound)
+        bound = "a table with the kind of a curve and its parameters"
+        instance("curve", values, Mapping, bound)
         curve: Curve = _made(values, "curve", 1)
         return curve
 
@@ -313,8 +314,7 @@ def within_reach(name: str, s: Array) -> Array:
 
 def required_curve(name: str, value: object) -> None:
     """Raise a ParameterError if `value` is no curve."""
-    if not isinstance(value, Curve):
-        raise ParameterError(name, value, "a Curve")
+    instance(name, value, Curve, "a Curve")
 
 
 def parameters_of(cls: type[Any]) -> dict[str, bool]:
@@ -336,6 +336,7 @@ def _plain(value: Any, where: str, depth: int) -> Any:
         kinds = ", ".join(sorted(Curve.kinds))
         bound = f"a curve of a registered kind: {kinds} or one of your own"
         raise ParameterError(where, type(value).__name__, bound)
+
     plain = {"kind": value.kind}
     for name in parameters_of(type(value)):
         plain[name] = _plain(getattr(value, name), f"{where}.{name}", depth + 1)
@@ -350,6 +351,7 @@ def _made(values: Any, where: str, depth: int) -> Any:
         return values
     if depth > _MAX_DEPTH:
         raise ParameterError("curve", values, f"nested in at most {_MAX_DEPTH - 1} other curves")
+
     given = dict(values)
     kind = word(f"{where}.kind", given.pop("kind", None), sorted(Curve.kinds))
     _check_names(kind, given, where)
@@ -371,6 +373,7 @@ def _check_names(kind: str, given: Mapping[str, Any], where: str) -> None:
             hint = f"kinds with it: {', '.join(owners)}" if owners else f"it has {', '.join(known)}"
             bound = f"absent on a {kind} curve; {hint}"
             raise ParameterError(f"{where}.{name}", given[name], bound)
+
     for name, required in known.items():
         if required and name not in given:
             bound = f"given: the kind {kind} has no default for it"

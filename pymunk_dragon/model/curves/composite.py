@@ -1,4 +1,4 @@
-"""Curves that are made of other curves: joined end to begin, in part, or travelled the other way."""
+"""Curves made of other curves: joined end to begin, in part, or travelled the other way."""
 
 from __future__ import annotations
 
@@ -15,9 +15,10 @@ from pymunk_dragon._checks import number
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.curves.base import Curve, PackageCurve, required_curve
 
-# m and rad that two pieces may be apart where they meet: far above rounding, and far below what
-# results need.
-_MAX_GAP = _MAX_KINK = 1e-9
+# m that two pieces may be apart where they meet: far above rounding, far below what results need.
+_MAX_GAP = 1e-9
+# rad between their tangents there, as for the gap.
+_MAX_KINK = 1e-9
 # m before a section at which a handle still counts as on it.
 _ROUNDING = 1e-10
 
@@ -72,55 +73,56 @@ class Composite(PackageCurve, kind="composite"):
         pieces: tuple[Curve, ...] = tuple(given) if isinstance(given, Sequence) else ()
         if not pieces or not all(isinstance(piece, Curve) for piece in pieces):
             raise ParameterError("pieces", self.pieces, "one Curve or more")
-        zero = next(
-            (float(end) for end in (pieces[0].begin_s, pieces[0].end_s) if math.isfinite(end)), 0.0
-        )
-        links, joints, parameter_joints = [_Link(pieces[0], zero, 0.0)], [], []
-        for before, after in pairwise(pieces):
-            ends = (before, before.end_s), (after, after.begin_s)
-            self._check_joint(len(links), *ends)
-            end, begin = (float(curve._parameter(np.array(s))) for curve, s in ends)
-            joints.append(before.end_s - links[-1].shift)
-            parameter_joints.append(end - links[-1].parameter_shift)
-            links.append(_Link(after, after.begin_s - joints[-1], begin - parameter_joints[-1]))
-        self._set(
-            pieces=pieces,
-            joints=tuple(joints),
-            _parameter_joints=tuple(parameter_joints),
-            _links=tuple(links),
-        )
-        ends_s = [
-            end for piece in pieces for end in (piece.begin_s, piece.end_s, *piece.inner_ends)
-        ]
-        self._set(inner_ends=tuple(filter(math.isfinite, ends_s)))
-        self._set(begin_s=pieces[0].begin_s - zero, end_s=pieces[-1].end_s - links[-1].shift)
 
-    def _check_joint(
-        self, number: int, before: tuple[Curve, float], after: tuple[Curve, float]
-    ) -> None:
-        """Refuse two curves that do not meet at these coordinates: joint `number`, counted from 1."""
-        names = f"piece {number} ({type(before[0]).__name__}) and piece {number + 1} ({type(after[0]).__name__})"
-        if not (math.isfinite(before[1]) and math.isfinite(after[1])):
-            raise ParameterError(
-                "pieces", self.pieces, f"finite where they meet: {names} lie infinitely far apart"
-            )
-        (point, ahead), (other, turned) = (
-            map(as_complex, curve.frame(end)) for curve, end in (before, after)
-        )
-        gap, kink = abs(other - point), abs(np.angle(turned / ahead))
-        # Written so that nan fails.
+        first = pieces[0]
+        known = [float(end) for end in (first.begin_s, first.end_s) if math.isfinite(end)]
+        zero = known[0] if known else 0.0
+        link = _Link(first, zero, 0.0)
+        links = [link]
+        joints = []
+        parameter_joints = []
+        for before, after in pairwise(pieces):
+            self._check_joint(len(links), before, after)
+            joint = before.end_s - link.shift
+            end = float(before._parameter(np.array(before.end_s)))
+            parameter_joint = end - link.parameter_shift
+            begin = float(after._parameter(np.array(after.begin_s)))
+            link = _Link(after, after.begin_s - joint, begin - parameter_joint)
+            joints.append(joint)
+            parameter_joints.append(parameter_joint)
+            links.append(link)
+
+        self._set(pieces=pieces, joints=tuple(joints), _links=tuple(links))
+        self._set(_parameter_joints=tuple(parameter_joints))
+        self._set(begin_s=first.begin_s - zero, end_s=pieces[-1].end_s - link.shift)
+        ends = []
+        for piece in pieces:
+            ends += [piece.begin_s, piece.end_s, *piece.inner_ends]
+        self._set(inner_ends=tuple(filter(math.isfinite, ends)))
+
+    def _check_joint(self, number: int, before: Curve, after: Curve) -> None:
+        """Refuse two curves that do not meet at joint `number`, counted from 1."""
+        names = f"piece {number} ({type(before).__name__})"
+        names += f" and piece {number + 1} ({type(after).__name__})"
+        if not (math.isfinite(before.end_s) and math.isfinite(after.begin_s)):
+            bound = f"finite where they meet: {names} lie infinitely far apart"
+            raise ParameterError("pieces", self.pieces, bound)
+
+        point, ahead = map(as_complex, before.frame(before.end_s))
+        other, turned = map(as_complex, after.frame(after.begin_s))
+        gap = abs(other - point)
+        kink = abs(np.angle(turned / ahead))
+        # The comparisons are false for nan.
         if not (gap <= _MAX_GAP and kink <= _MAX_KINK):
             apart = f"{gap:.3g} m and {kink:.3g} rad ({math.degrees(kink):.3g} degrees)"
-            raise ParameterError(
-                "pieces",
-                self.pieces,
-                f"joined smoothly: at joint {number} {names} are {apart} apart",
-            )
+            bound = f"joined smoothly: at joint {number} {names} are {apart} apart"
+            raise ParameterError("pieces", self.pieces, bound)
 
     def _parts(self, joints: tuple[float, ...], values: Array) -> Iterator[tuple[_Link, Any]]:
-        """Pieces that end at `joints`, each with the indices of the values (...) on it; nan is on the last one."""
+        """Pieces that end at `joints`, and indices of the values on each; the last has nan."""
         index = np.searchsorted(joints, values, side="right")
-        first, last = int(index.min(initial=len(joints))), int(index.max(initial=0))
+        first = int(index.min(initial=len(joints)))
+        last = int(index.max(initial=0))
         for k in range(first, last + 1):
             yield self._links[k], ... if first == last else index == k
 
@@ -138,17 +140,18 @@ class Composite(PackageCurve, kind="composite"):
 
     def _max_curvature(self, lower: Array, upper: Array) -> Array:
         curvatures = np.zeros(lower.shape)
-        for link, (begin, end) in zip(
-            self._links, pairwise([-np.inf, *self.joints, np.inf]), strict=True
-        ):
+        ends = pairwise([-np.inf, *self.joints, np.inf])
+        for link, (begin, end) in zip(self._links, ends, strict=True):
             shared = (lower <= end) & (upper >= begin)
             if shared.any():
-                found = link.curve.max_curvature(link.on(lower[shared]), link.on(upper[shared]))
+                low = link.on(lower[shared])
+                found = link.curve.max_curvature(low, link.on(upper[shared]))
                 curvatures[shared] = np.maximum(curvatures[shared], found)
         return curvatures
 
     def _parameter(self, s: Array) -> Array:
-        s, parameters = self._inside(s), np.empty(s.shape)
+        s = self._inside(s)
+        parameters = np.empty(s.shape)
         for link, here in self._parts(self.joints, s):
             parameters[here] = link.curve._parameter(link.on(s[here])) - link.parameter_shift
         return parameters
@@ -162,19 +165,17 @@ class Composite(PackageCurve, kind="composite"):
     def _motion(self, parameter: Array) -> tuple[Complex, Complex]:
         points, derivatives = np.empty((2, *parameter.shape), dtype=complex)
         for link, here in self._parts(self._parameter_joints, parameter):
-            points[here], derivatives[here] = link.curve._motion(
-                parameter[here] + link.parameter_shift
-            )
+            own = parameter[here] + link.parameter_shift
+            points[here], derivatives[here] = link.curve._motion(own)
         return points, derivatives
 
     def _estimate(self, heads: Array, parameters: Array, spacings: Array) -> Array:
-        """As the first piece does where all heads are on it."""
+        """Estimate of the first piece, if all heads are on it."""
         if not self.joints or not (heads <= self.joints[0]).all():
             return super()._estimate(heads, parameters, spacings)
         first = self._links[0]
-        estimate = first.curve._estimate(
-            first.on(heads), parameters + first.parameter_shift, spacings
-        )
+        parameters = parameters + first.parameter_shift
+        estimate = first.curve._estimate(first.on(heads), parameters, spacings)
         return estimate - first.parameter_shift
 
 
@@ -186,8 +187,10 @@ class Section(PackageCurve, kind="section"):
     ----------
     curve : Curve
         What it is a part of.
-    begin_s, end_s : float
-        Its first and last coordinate on the curve, m. They may be infinite if the curve's are.
+    begin_s : float
+        Its first coordinate on the curve, m. It may be infinite if the curve's is.
+    end_s : float
+        Its last coordinate on the curve, m. It may be infinite if the curve's is.
 
     Examples
     --------
@@ -204,11 +207,10 @@ class Section(PackageCurve, kind="section"):
         required_curve("curve", self.curve)
         first, last = self.curve.begin_s, self.curve.end_s
         begin, end = number(self.begin_s), number(self.end_s)
-        # Written so that nan fails.
+        # The comparisons are false for nan.
         if not first <= begin < last:
-            raise ParameterError(
-                "begin_s", self.begin_s, f"a coordinate on the curve, from {first:g} to {last:g} m"
-            )
+            bound = f"a coordinate on the curve, from {first:g} to {last:g} m"
+            raise ParameterError("begin_s", self.begin_s, bound)
         if not begin < end <= last:
             bound = f"a coordinate on the curve after {begin:g} m, at most {last:g} m"
             raise ParameterError("end_s", self.end_s, bound)
@@ -229,7 +231,8 @@ class Section(PackageCurve, kind="section"):
     def _coordinate(self, parameter: Array) -> Array:
         s = self.curve._coordinate(parameter)
         # Rounding may put a handle at the beginning before it.
-        return np.where(s < self.begin_s - _ROUNDING, np.nan, np.maximum(s, self.begin_s))
+        lost = s < self.begin_s - _ROUNDING
+        return np.where(lost, np.nan, np.maximum(s, self.begin_s))
 
     def _motion(self, parameter: Array) -> tuple[Complex, Complex]:
         return self.curve._motion(parameter)
@@ -240,12 +243,14 @@ class Section(PackageCurve, kind="section"):
 
 @dataclass(frozen=True)
 class Reversed(PackageCurve, kind="reversed"):
-    """A curve with the direction of travel reversed; its coordinates are those of the curve with the opposite sign.
+    """A curve with the direction of travel reversed.
+
+    Its coordinates are those of the curve with the opposite sign.
 
     Parameters
     ----------
     curve : Curve
-        The same path, travelled forward.
+        The path in its own direction.
 
     Examples
     --------

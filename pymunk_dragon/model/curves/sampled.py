@@ -1,4 +1,7 @@
-"""A smooth path through points: a spline, cut so short that arc length and curvature are right to the last digits."""
+"""A smooth path through points.
+
+It is a spline, cut so short that arc length and curvature are right to the last digits.
+"""
 
 from __future__ import annotations
 
@@ -30,17 +33,19 @@ _MIN_POINTS = 4
 _MAX_POINTS = 50_000
 # m. Neighbouring points closer than this count as one point given twice.
 _MIN_CHORD = 1e-3
-# Share of a cell: after so small a step of Newton's the next one is below the last digit; and
-# passes: 3 are enough.
-_STEP_TOLERANCE, _MAX_PASSES = 1e-9, 8
+# Share of a cell: after so small a step of Newton's method the next one is below the last digit.
+_STEP_TOLERANCE = 1e-9
+# Passes of Newton's method: 3 are enough.
+_MAX_PASSES = 8
 # Share of a cell's length. Halves that agree with the whole so well have 16 more bits than this,
 # and rounding has none.
 _LENGTH_TOLERANCE = 4e-15
 # Share of the parametric speed along the chords. A slower path is close to a cusp.
 _MIN_SPEED = 0.01
-# Excess of the bound on a cell's curvature, as a share of the cell's curvature and of the path's
-# largest one.
-_LOOSE, _LOOSE_OVERALL = 0.02, 0.001
+# Excess of the bound on a cell's curvature, as a share of the cell's curvature.
+_LOOSE = 0.02
+# Excess that is allowed beside it, as a share of the path's largest curvature.
+_LOOSE_OVERALL = 0.001
 # Parameters in a cell at which speed and curvature are sampled.
 _SEEN = (0.0, 0.5, 1.0)
 # Share of a bound that covers its rounding.
@@ -63,10 +68,11 @@ _BERNSTEIN_4 = np.array(
 
 @dataclass(frozen=True, eq=False)
 class Sampled(ArrayRecord, PackageCurve, kind="sampled"):
-    """Smooth path through points: the cubic spline by chord length, whose curvature is continuous (not-a-knot ends).
+    """Smooth path through points: the cubic spline by chord length, with not-a-knot ends.
 
-    It begins at the first point and ends at the last one; the coordinate is the arc length from the
-    first. Two paths are equal if their points are. It needs SciPy.
+    Its curvature is continuous. It begins at the first point and ends at the last one; the
+    coordinate is the arc length from the first. Two paths are equal if their points are. It needs
+    SciPy.
 
     Parameters
     ----------
@@ -101,20 +107,21 @@ class Sampled(ArrayRecord, PackageCurve, kind="sampled"):
         points = _checked(self.points)
         path = as_complex(points)
         chords = np.abs(np.diff(path))
-        spline = library("scipy.interpolate").CubicSpline(np.append(0.0, np.cumsum(chords)), path)
+        knots = np.append(0.0, np.cumsum(chords))
+        spline = library("scipy.interpolate").CubicSpline(knots, path)
         # SciPy gives the highest power first, and a piece's parameter in m.
-        cubics, lengths, curvatures = _cut(
-            (spline.c[::-1] * chords ** np.arange(4)[:, None]).T, path
-        )
+        powers = spline.c[::-1] * chords ** np.arange(4)[:, None]
+        cubics, lengths, curvatures = _cut(powers.T, path)
         edges = np.append(0.0, np.cumsum(lengths))
-        self._set(
-            points=points, _cubics=cubics, _curvatures=curvatures, _lengths=lengths, _edges=edges
-        )
-        self._set(end_s=float(edges[-1]))
+        self._set(points=points, end_s=float(edges[-1]))
+        self._set(_cubics=cubics, _curvatures=curvatures, _lengths=lengths, _edges=edges)
 
     @classmethod
     def read(cls, path: str | Path) -> Self:
-        """Path through the points of a CSV file: x and y in m on each line, with or without one line of heads."""
+        """Path through the points of a CSV file: x and y in m on each line.
+
+        One line of heads may stand before them.
+        """
         lines, rows = number_rows(path, "curve", ("x in m", "y in m"))
         try:
             return cls(np.array(rows))
@@ -128,20 +135,20 @@ class Sampled(ArrayRecord, PackageCurve, kind="sampled"):
         cubics, w = self._located(s)
         zero, one, two, three = cubics.T
         velocity = _velocity(cubics, w)
-        points, tangents = (
-            zero + w * (one + w * (two + w * three)),
-            velocity * (1 / np.abs(velocity)),
-        )
-        return as_vectors(points).reshape(*s.shape, 2), as_vectors(tangents).reshape(*s.shape, 2)
+        points = zero + w * (one + w * (two + w * three))
+        tangents = velocity * (1 / np.abs(velocity))
+        shape = (*s.shape, 2)
+        return as_vectors(points).reshape(shape), as_vectors(tangents).reshape(shape)
 
     def _curvature(self, s: Array) -> Array:
         return _curvature(*self._located(s)).reshape(s.shape)
 
     def _max_curvature(self, lower: Array, upper: Array) -> Array:
         last = self._cell(upper)
-        ends = np.stack([np.minimum(self._cell(lower), last), last + 1], axis=-1)
-        curvatures: Array = np.maximum.reduceat(np.append(self._curvatures, 0.0), ends.ravel())[::2]
-        return curvatures.reshape(lower.shape)
+        first = np.minimum(self._cell(lower), last)
+        ends = np.stack([first, last + 1], axis=-1).ravel()
+        largest = np.maximum.reduceat(np.append(self._curvatures, 0.0), ends)
+        return np.reshape(largest[::2], lower.shape)
 
     def _cell(self, s: Array) -> Indices:
         """Cell of each coordinate."""
@@ -149,7 +156,8 @@ class Sampled(ArrayRecord, PackageCurve, kind="sampled"):
 
     def _located(self, s: Array) -> tuple[Complex, Array]:
         """Cubics (n, 4) and their w (n,) for coordinates of any shape."""
-        cell, s = self._cell(s.ravel()), s.ravel()
+        s = s.ravel()
+        cell = self._cell(s)
         cubics = self._cubics[cell]
         return cubics, _solved(cubics, s - self._edges[cell], self._lengths[cell])
 
@@ -158,59 +166,71 @@ def _checked(points: object) -> Array:
     """A read-only copy of `points` (N, 2), if a path can go through them."""
     array: Array = numbers("points", points).copy()
     if array.ndim != 2 or array.shape[1] != 2 or not _MIN_POINTS <= len(array) <= _MAX_POINTS:
-        raise ParameterError(
-            "points", points, f"{_MIN_POINTS} to {_MAX_POINTS} points, each x and y in m"
-        )
-    for i in np.flatnonzero(~(np.abs(array).max(axis=1) <= FARTHEST))[:1].tolist():
+        bound = f"{_MIN_POINTS} to {_MAX_POINTS} points, each x and y in m"
+        raise ParameterError("points", points, bound)
+
+    far = ~(np.abs(array).max(axis=1) <= FARTHEST)
+    if far.any():
+        i = int(far.argmax())
         bound = f"at most {FARTHEST:g} m from the origin along either axis"
         raise ParameterError(f"point {i + 1}", array[i].tolist(), bound)
-    for i in np.flatnonzero(np.abs(np.diff(as_complex(array))) < _MIN_CHORD)[:1].tolist():
-        raise ParameterError(
-            f"point {i + 2}",
-            array[i + 1].tolist(),
-            f"at least {_MIN_CHORD:g} m from the one before",
-        )
+
+    close = np.abs(np.diff(as_complex(array))) < _MIN_CHORD
+    if close.any():
+        i = int(close.argmax()) + 1
+        bound = f"at least {_MIN_CHORD:g} m from the one before"
+        raise ParameterError(f"point {i + 1}", array[i].tolist(), bound)
     return read_only(array)
 
 
 def _cut(cubics: Complex, path: Complex) -> tuple[Complex, Array, Array]:
-    """Cubics, lengths and curvatures of the cells of a path, from those (n, 4) between its points (n + 1,)."""
+    """Cubics, lengths and curvatures of the cells of a path, from the cubics between its points."""
     chords = np.abs(np.diff(path))
     sources = np.arange(chords.size)
     for _ in range(_MAX_HALVINGS):
         slowest, curvatures = _bounds(cubics)
-        too_slow = np.min([_speed(cubics, w) for w in _SEEN], axis=0) < _MIN_SPEED * chords
+        least = _MIN_SPEED * chords
+        too_slow = np.min([_speed(cubics, w) for w in _SEEN], axis=0) < least
         if too_slow.any():
             break
+
         seen = np.max([np.abs(_curvature(cubics, w)) for w in _SEEN], axis=0)
-        lengths, halves = _travelled(cubics, 1.0), _halved(cubics)
+        lengths = _travelled(cubics, 1.0)
+        halves = _halved(cubics)
         by_halves = _travelled(halves, 1.0).reshape(-1, 2).sum(axis=1)
-        too_slow = slowest < _MIN_SPEED * chords
+        too_slow = slowest < least
         coarse = too_slow | (np.abs(by_halves - lengths) > _LENGTH_TOLERANCE * lengths)
-        # Written so that nan fails.
+        # The comparison is false for nan.
         coarse |= ~(curvatures <= (1 + _LOOSE) * seen + _LOOSE_OVERALL * seen.max())
         if not coarse.any():
             return cubics, lengths, curvatures * (1 + _ROUNDING)
+
         cut = np.flatnonzero(coarse)
-        cubics[cut], chords[cut] = halves[1::2][cut], chords[cut] / 2
+        cubics[cut] = halves[1::2][cut]
         cubics = np.insert(cubics, cut, halves[0::2][cut], axis=0)
-        chords, sources = np.insert(chords, cut, chords[cut]), np.insert(sources, cut, sources[cut])
+        chords[cut] /= 2
+        chords = np.insert(chords, cut, chords[cut])
+        sources = np.insert(sources, cut, sources[cut])
     i = int(sources[np.argmax(too_slow)])
-    bound = (
-        f"followed by a smooth path; from it to point {i + 2} the path nearly stops, as at a cusp"
-    )
-    raise ParameterError(f"point {i + 1}", [float(path[i].real), float(path[i].imag)], bound)
+    stop = f"from it to point {i + 2} the path nearly stops, as at a cusp"
+    point = as_vectors(path)[i].tolist()
+    raise ParameterError(f"point {i + 1}", point, f"followed by a smooth path; {stop}")
 
 
 def _bounds(cubics: Complex) -> tuple[Array, Array]:
-    """Lower bound on the speed and upper bound on the size of the curvature of each cubic, (n,) each."""
+    """Lower bounds on speeds and upper bounds on absolute curvatures of cubics, (n,) each."""
     # The velocity is one + two w + three w^2; the real part of a product is a dot, the imaginary
     # part a cross product.
-    one, two, three = cubics[:, 1], 2 * cubics[:, 2], 3 * cubics[:, 3]
-    a, b, c = one.conj() * two, one.conj() * three, two.conj() * three
+    one = cubics[:, 1]
+    two = 2 * cubics[:, 2]
+    three = 3 * cubics[:, 3]
+    a = one.conj() * two
+    b = one.conj() * three
+    c = two.conj() * three
     ones, twos, threes = (np.square(np.abs(each)) for each in (one, two, three))
     squares = np.stack([ones, 2 * a.real, twos + 2 * b.real, 2 * c.real, threes])
     slowest = np.sqrt(np.maximum((_BERNSTEIN_4 @ squares).min(axis=0), 0.0))
+
     turning = np.stack([a.imag, 2 * b.imag, c.imag])
     with np.errstate(divide="ignore", invalid="ignore"):
         return slowest, np.abs(_BERNSTEIN_2 @ turning).max(axis=0) / slowest**3
@@ -219,19 +239,20 @@ def _bounds(cubics: Complex) -> tuple[Array, Array]:
 def _halved(cubics: Complex) -> Complex:
     """Both halves (2n, 4) of each cubic (n, 4), with w from 0 to 1 again."""
     zero, one, two, three = cubics.T / np.array([[1], [2], [4], [8]])
+    left = [zero, one, two, three]
     right = [zero + one + two + three, one + 2 * two + 3 * three, two + 3 * three, three]
-    halves: Complex = (
-        np.stack([[zero, one, two, three], right], axis=0).transpose(2, 0, 1).reshape(-1, 4)
-    )
-    return halves
+    halves: Complex = np.stack([left, right]).transpose(2, 0, 1)
+    return halves.reshape(-1, 4)
 
 
 def _solved(cubics: Complex, s: Array, lengths: Array) -> Array:
-    """Parameter from 0 to 1 at which each cubic (n, 4), of the lengths (n,), has the arc length `s` (n,)."""
+    """Parameters (n,) from 0 to 1 at which cubics (n, 4) of these lengths have arc lengths `s`."""
     share = s / lengths
     # The initial guess is the cubic with the correct values and slopes at both ends.
-    first, last = lengths / _speed(cubics, 0.0), lengths / _speed(cubics, 1.0)
+    first = lengths / _speed(cubics, 0.0)
+    last = lengths / _speed(cubics, 1.0)
     w = share * (first + share * (3 - 2 * first - last + share * (first + last - 2)))
+
     for _ in range(_MAX_PASSES):
         step = (_travelled(cubics, w) - s) / _speed(cubics, w)
         w = np.clip(w - step, 0.0, 1.0)
@@ -269,6 +290,7 @@ def _velocity(cubics: Complex, w: Array | float) -> Complex:
 
 def _curvature(cubics: Complex, w: Array | float) -> Array:
     """Curvature (n,) in 1/m, positive to the left, of cubics (n, 4) at w (n,)."""
-    velocity, change = _velocity(cubics, w), 2 * cubics[:, 2] + 6 * w * cubics[:, 3]
+    velocity = _velocity(cubics, w)
+    change = 2 * cubics[:, 2] + 6 * w * cubics[:, 3]
     curvatures: Array = (velocity.conj() * change).imag / np.abs(velocity) ** 3
     return curvatures

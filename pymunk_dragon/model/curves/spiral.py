@@ -9,13 +9,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pymunk_dragon._arrays import Array, Complex, as_complex, as_vectors
-from pymunk_dragon._checks import finite, fitting, numbers, positive
-from pymunk_dragon.errors import ParameterError
+from pymunk_dragon._checks import finite, fitting, instance, numbers, positive
 from pymunk_dragon.model.curves.base import PackageCurve, within_reach
 
-# m. No bench fits into a narrower turn, and no dance floor has a wider one.
-_MIN_PITCH, MAX_PITCH = 0.001, 1000.0
-# rad.
+# m. No bench fits into a narrower turn.
+_MIN_PITCH = 0.001
+# m. No dance floor has a wider turn.
+MAX_PITCH = 1000.0
+# rad in a turn.
 _TURN = 2 * np.pi
 # A thousand turns of the contest's pitch are a dance floor of a kilometre; more is taken for a
 # typing error.
@@ -32,7 +33,9 @@ _FAR_OUT = 8.0
 
 @dataclass(frozen=True, kw_only=True)
 class Spiral(PackageCurve, kind="spiral"):
-    """Archimedean spiral about the origin; the coordinate is the arc length from the centre, negative if inward.
+    """Archimedean spiral about the origin.
+
+    The coordinate is the arc length from the centre, negative if inward.
 
     Parameters
     ----------
@@ -60,9 +63,9 @@ class Spiral(PackageCurve, kind="spiral"):
 
     def __post_init__(self) -> None:
         pitch = finite("pitch", self.pitch, _MIN_PITCH, MAX_PITCH, "m")
-        self._set(pitch=pitch, rotation=finite("rotation", self.rotation, -1000.0, 1000.0, "rad"))
-        if not isinstance(self.outward, bool):
-            raise ParameterError("outward", self.outward, "True or False")
+        rotation = finite("rotation", self.rotation, -1000.0, 1000.0, "rad")
+        self._set(pitch=pitch, rotation=rotation)
+        instance("outward", self.outward, bool, "True or False")
         begin_s, end_s = (0.0, np.inf) if self.outward else (-np.inf, 0.0)
         self._set(begin_s=begin_s, end_s=end_s, turn_width=pitch)
 
@@ -78,7 +81,8 @@ class Spiral(PackageCurve, kind="spiral"):
 
     def turns(self, s: float) -> float:
         """Number of turns from the centre at the coordinate `s` m."""
-        return float(self.angle(finite("s", s, -np.inf, np.inf, "m"))) / _TURN
+        theta = self.angle(finite("s", s, -np.inf, np.inf, "m"))
+        return float(theta) / _TURN
 
     def at_turn(self, turns: float) -> float:
         """Coordinate `turns` turns from the centre, m; `turns` is above 0 and at most 1000."""
@@ -86,13 +90,15 @@ class Spiral(PackageCurve, kind="spiral"):
         return float(self._coordinate(np.array(self._sign * theta)))
 
     def at_radius(self, radius: float) -> float:
-        """Coordinate at the distance `radius` m from the centre, m; `radius` is at most 1000 pitches."""
-        return self.at_turn(
-            min(positive("radius", radius, _MAX_TURNS * self.pitch, "m") / self.pitch, _MAX_TURNS)
-        )
+        """Coordinate at the distance `radius` m from the centre, m, at most 1000 pitches."""
+        radius = positive("radius", radius, _MAX_TURNS * self.pitch, "m")
+        return self.at_turn(min(radius / self.pitch, _MAX_TURNS))
 
     def angle(self, s: ArrayLike) -> Array:
-        """Polar angle theta in rad, counted from the centre along the winding (eq. 6); nan beyond the centre."""
+        """Polar angle theta in rad, counted from the centre along the winding (eq. 6).
+
+        It is nan beyond the centre.
+        """
         length = np.atleast_1d(self._sign * within_reach("s", numbers("s", s)))
         # Twice the arc length over k: theta sqrt(theta^2 + 1) + arcsinh theta (eq. 3-5).
         target = np.maximum(length, 0.0) * (2 / self.k)
@@ -101,6 +107,7 @@ class Spiral(PackageCurve, kind="spiral"):
         far = np.maximum(target, _FAR_OUT)
         square = far - 0.5 - np.log(4 * far - 2 * np.log(4 * far) - 2) / 2
         theta = np.where(target > _FAR_OUT, np.sqrt(square), target / 2)
+
         for _ in range(_MAX_PASSES):
             rise = _rise(theta)
             newton = (theta + (np.log(theta + rise) - target) / rise) / 2
@@ -125,12 +132,13 @@ class Spiral(PackageCurve, kind="spiral"):
         return np.abs(self._curvature(lower if self.outward else upper))
 
     def foot(self, points: ArrayLike, near: ArrayLike) -> tuple[Array, Array, Array]:
-        """As on any curve, but at the polar angles of `points`: a division replaces four sines.
+        """Feet at the polar angles of `points`: a division replaces four sines.
 
         Guides call this at every substep, and most of its time is NumPy's for each call: so there
         are few, in place.
         """
-        xy, s = numbers("points", points, 2), numbers("near", near)
+        xy = numbers("points", points, 2)
+        s = numbers("near", near)
         fitting("points and near", xy.shape[:-1], s.shape)
         # Points far from the path have no foot, but numbers without a meaning.
         with np.errstate(all="ignore"):
@@ -146,6 +154,7 @@ class Spiral(PackageCurve, kind="spiral"):
         turns -= theta
         turns *= 1 / _TURN
         theta = theta + _TURN * np.rint(turns)
+
         rise = _rise(theta)
         coordinate = self._arc_length(theta, rise)
         radius = np.abs(z)
@@ -157,11 +166,8 @@ class Spiral(PackageCurve, kind="spiral"):
         ahead *= z
         theta *= self.k
         theta /= radius
-        return (
-            coordinate,
-            as_vectors(_turned(theta * z, self.rotation)),
-            as_vectors(_turned(ahead, self.rotation)),
-        )
+        feet = _turned(theta * z, self.rotation)
+        return coordinate, as_vectors(feet), as_vectors(_turned(ahead, self.rotation))
 
     def _parameter(self, s: Array) -> Array:
         """Polar angles (...), negative on an inward spiral (eq. 10, 12, 13)."""
@@ -172,7 +178,7 @@ class Spiral(PackageCurve, kind="spiral"):
         return self._arc_length(theta, _rise(theta))
 
     def _arc_length(self, theta: Array, rise: Array) -> Array:
-        """Coordinate of a polar angle, m: the closed form of eq. 3-5. A logarithm costs less than its arcsinh."""
+        """Coordinate of a polar angle, m (eq. 3-5); a logarithm costs less than its arcsinh."""
         coordinate = np.log(theta + rise)
         coordinate += theta * rise
         coordinate *= self._sign * self.k / 2
@@ -190,13 +196,17 @@ class Spiral(PackageCurve, kind="spiral"):
         chords = spacings / self.k
         squares = np.empty((spacings.size + 1, heads.size))
         squares[0] = parameters**2
+
         # 1 / M.
-        growth = 1 / (squares[0] + (2 * np.cumsum(chords, axis=0) - chords))
+        middles = 2 * np.cumsum(chords, axis=0) - chords
+        growth = 1 / (squares[0] + middles)
         sine = np.minimum(chords**2 / 4 * growth, 1.0)
+
         # The series of arcsin x / x, and the root of (M - 1) / M.
         growth *= -0.5
         growth += 1
         growth *= 1 + sine * (1 / 6 + sine * (3 / 40))
+
         np.cumsum(2 * chords * growth, axis=0, out=squares[1:])
         squares[1:] += squares[0]
         estimate: Array = -np.sqrt(squares, out=squares)
@@ -224,7 +234,7 @@ def _rise(theta: Array) -> Array:
 
 
 def _unit_vector(half: Array) -> Complex:
-    """e^(2i half), from the tangent of half the angle: NumPy computes it several times as fast as sine and cosine."""
+    """e^(2i half), from the tangent: several times as fast in NumPy as sine and cosine."""
     tangent = np.tan(half)
     share = tangent * tangent
     share += 1

@@ -15,20 +15,22 @@ from pymunk_dragon.model.curves.base import Curve
 from pymunk_dragon.model.curves.composite import Composite, Section
 from pymunk_dragon.model.curves.spiral import Spiral
 
-# m. Smaller circles are too narrow for benches; on larger ones, coordinates on the spiral lose
-# digits.
-_MIN_RADIUS, _MAX_RADIUS = 0.1, 100.0
-_MAX_RATIO = 50.0  # Beyond it the turn is one on a single arc.
+# m. Smaller circles are too narrow for benches.
+_MIN_RADIUS = 0.1
+# m. On larger circles, coordinates on the spiral lose digits.
+_MAX_RADIUS = 100.0
+# Beyond this ratio of the radii the turn is one on a single arc.
+_MAX_RATIO = 50.0
 
 
 @dataclass(frozen=True, kw_only=True)
 class UTurn(Composite, kind="u-turn"):
-    """In on a spiral, round inside a circle on two arcs that touch, and out on the spiral turned by 180 degrees.
+    """In on a spiral, round inside a circle on two arcs that touch, and out on another spiral.
 
-    The coordinate is 0 at the entry to the circle. Entry and exit are opposite to each other with
-    equal tangents, so both arcs turn by twice the angle between the entry's direction and the
-    straight line to the exit. That fixes the sum of the radii, and the length of the turn, whatever
-    the ratio.
+    The way out is the spiral turned by 180 degrees. The coordinate is 0 at the entry to the circle.
+    Entry and exit are opposite to each other with equal tangents, so both arcs turn by twice the
+    angle between the entry's direction and the straight line to the exit. This fixes the sum of the
+    radii, and the length of the turn, whatever the ratio.
 
     Parameters
     ----------
@@ -41,9 +43,14 @@ class UTurn(Composite, kind="u-turn"):
 
     Attributes
     ----------
-    length, radii, sweeps, centres, tangent_points
-        Length of both arcs, m; for each, radius, m, angle, rad, and centre (2,), m; and (3, 2), m,
-        entry, the point between the arcs, and exit.
+    length : float
+        Length of both arcs, m.
+    radii : ndarray, shape (2,), m
+    sweeps : ndarray, shape (2,), rad
+        Angles of the arcs.
+    centres : ndarray, shape (2, 2), m
+    tangent_points : ndarray, shape (3, 2), m
+        Entry, the point between the arcs, and exit.
 
     Examples
     --------
@@ -68,15 +75,12 @@ class UTurn(Composite, kind="u-turn"):
     centres: Array = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        inward, radius = (
-            Spiral(pitch=self.pitch),
-            finite("radius", self.radius, _MIN_RADIUS, _MAX_RADIUS, "m"),
-        )
+        inward = Spiral(pitch=self.pitch)
+        outward = Spiral(pitch=self.pitch, rotation=math.pi, outward=True)
+        radius = finite("radius", self.radius, _MIN_RADIUS, _MAX_RADIUS, "m")
         ratio = finite("ratio", self.ratio, 1 / _MAX_RATIO, _MAX_RATIO, "")
-        s, outward = (
-            inward.at_radius(radius),
-            Spiral(pitch=self.pitch, rotation=math.pi, outward=True),
-        )
+        s = inward.at_radius(radius)
+
         # The polar angle of the entry; the angle between the path there and the straight line to
         # the exit.
         angle = 2 * math.pi * radius / inward.pitch
@@ -86,25 +90,21 @@ class UTurn(Composite, kind="u-turn"):
         # Each arc's chord is twice its radius times the sine of half its angle; together they are
         # the diameter.
         radii = radius / math.sin(aside) / (1 + ratio) * np.array([ratio, 1.0])
-        points = np.outer(
-            [1.0, (1 - ratio) / (1 + ratio), -1.0],
-            radius * np.array([math.cos(angle), math.sin(angle)]),
-        )
-        centres = points[[0, 2]] + np.outer(
-            radii * [-1, 1], [-math.sin(heading), math.cos(heading)]
-        )
+        entry = radius * np.array([math.cos(angle), math.sin(angle)])
+        points = np.outer([1.0, (1 - ratio) / (1 + ratio), -1.0], entry)
+        normal = [-math.sin(heading), math.cos(heading)]
+        centres = points[[0, 2]] + np.outer(radii * [-1, 1], normal)
         begins = heading + math.pi / 2, heading - 2 * aside - math.pi / 2
-        arcs = (
-            Arc(centre=centre, radius=radius, begin_angle=begin, sweep=sweep)
-            for centre, radius, begin, sweep in zip(centres, radii, begins, sweeps, strict=True)
+
+        first, second = (
+            Arc(centre=centres[i], radius=radii[i], begin_angle=begins[i], sweep=sweeps[i])
+            for i in range(2)
         )
-        self._set(pieces=(Section(inward, -math.inf, s), *arcs, Section(outward, -s, math.inf)))
+        way_in = Section(inward, -math.inf, s)
+        way_out = Section(outward, -s, math.inf)
+        self._set(pieces=(way_in, first, second, way_out))
         super().__post_init__()
-        self._set(
-            pitch=inward.pitch,
-            radius=radius,
-            ratio=ratio,
-            length=2 * aside * radius / math.sin(aside),
-        )
+        length = 2 * aside * radius / math.sin(aside)
+        self._set(pitch=inward.pitch, radius=radius, ratio=ratio, length=length)
         self._set(sweeps=sweeps, radii=radii, tangent_points=points, centres=centres)
         self._set(turn_width=inward.pitch, circles=((0.0, 0.0, radius),))
