@@ -35,14 +35,12 @@ from pymunk_dragon.sweeps.result import Sweep, check_format
 # Futures that are submitted and not finished, at most: enough for as many workers, and few in
 # memory.
 _MAX_RUNNING = 256
-# Worker processes, at most (Windows waits for no more), and processors for this process, of which
-# each gets one.
+# Worker processes, at most: Windows waits for no more.
 _MAX_WORKERS = 61 if os.name == "nt" else 1000
-_CORES = (
-    len(os.sched_getaffinity(0))
-    if hasattr(os, "sched_getaffinity")
-    else min(os.cpu_count() or 1, _MAX_WORKERS)
-)
+# Processors for this process, of which each worker gets one.
+_CORES = min(os.cpu_count() or 1, _MAX_WORKERS)
+if hasattr(os, "sched_getaffinity"):
+    _CORES = len(os.sched_getaffinity(0))
 
 
 def sweep(
@@ -79,9 +77,10 @@ def sweep(
         finished points are in a partial table beside the first one, with the ending ``.partial``.
     resume : bool
         Whether to go on from the partial table of an interrupted sweep, if there is one.
-    scheduler, workers : str and int, optional
-        Address of a Dask scheduler, as ``"tcp://HOST:8786"``, instead of an executor; number of
-        processes.  [the cores]
+    scheduler : str, optional
+        Address of a Dask scheduler, as ``"tcp://HOST:8786"``, instead of an executor.
+    workers : int, optional
+        Number of processes.  [the cores]
     progress : callable, optional
         Called with the numbers of finished points and of all points.
 
@@ -100,7 +99,8 @@ def sweep(
     Examples
     --------
     >>> from concurrent.futures import ThreadPoolExecutor
-    >>> found = sweep(Scenario(benches=16, turns=8), {"width": [0.3, 0.4]}, executor=ThreadPoolExecutor(1))
+    >>> scenario, pool = Scenario(benches=16, turns=8), ThreadPoolExecutor(1)
+    >>> found = sweep(scenario, {"width": [0.3, 0.4]}, executor=pool)
     >>> print(*found.csv(), sep="\n")  # doctest: +ELLIPSIS
     width,contact_time,bench_a,bench_b,status,error
     0.3,80.691317691...,0,8,contact,
@@ -109,11 +109,9 @@ def sweep(
     begin = perf_counter()
     function("progress", progress)
     flag("resume", resume)
-    paths = (
-        (out,)
-        if isinstance(out, str | Path)
-        else instances("out", out, str | Path, "a path, or several")
-    )
+    if isinstance(out, str | Path):
+        out = [out]
+    paths = instances("out", out, str | Path, "a path, or several")
     chosen = quantity_of(quantity)
     points = axes_of(axes, chosen.parameters)
     given = given_values(scenario, points)
@@ -121,17 +119,16 @@ def sweep(
     if resume and not paths:
         raise ParameterError("resume", resume, "absent without a file to write")
     files = [check_format(path, points) for path in paths]
+
     pool = _pool(executor, scheduler, workers)
+    call = partial_of(evaluate, chosen.name, base)
     with PartialTable(files, _description(chosen, points, base), points, resume=resume) as partial:
         with pool as started:
-            for rows in _outcomes(
-                started, partial_of(evaluate, chosen.name, base), partial.missing()
-            ):
+            for rows in _outcomes(started, call, partial.missing()):
                 partial.append(rows)
                 progress(len(partial.rows), partial.count)
-        found = Sweep(
-            chosen, partial, reference_values(chosen, given, points), perf_counter() - begin
-        )
+        reference = reference_values(chosen, given, points)
+        found = Sweep(chosen, partial, reference, perf_counter() - begin)
         for file in files:
             found.write(file)
     return found
@@ -163,15 +160,17 @@ def _outcomes(
         while running:
             yield _finished(running, done)
     except Exception as error:  # Whatever an executor raises.
-        raise DragonError(
-            f"a worker was lost, or did not start: {type(error).__name__}: {error}"
-        ) from error
+        reason = f"{type(error).__name__}: {error}"
+        raise DragonError(f"a worker was lost, or did not start: {reason}") from error
 
 
 def _finished(
     running: dict[Future[Outcome], int], done: SimpleQueue[Future[Outcome]]
 ) -> dict[int, Outcome]:
-    """Remove futures that are done, and return their outcomes; if one has an error and no other has one, raise it."""
+    """Remove futures that are done, and return their outcomes.
+
+    Raises the error of one if all have errors.
+    """
     found = [done.get(), *(done.get() for _ in range(done.qsize()))]
     chosen = list(filterfalse(Future.exception, found)) or found
     for future in set(found).difference(chosen):
@@ -220,10 +219,10 @@ class _Processes(ProcessPoolExecutor):
 
 @contextmanager
 def _blocked_signals() -> Iterator[None]:
-    """Delay the signals that end the program, and block them in processes that start: a terminal sends them to all.
+    """Delay the signals that end the program, and block them in processes that start.
 
-    Other threads may receive what is blocked in this one, and handlers run in this one; so both are
-    needed.
+    A terminal sends them to all processes. Other threads may receive what is blocked in this one,
+    and handlers run in this one; so both are needed.
     """
     if not hasattr(signal, "pthread_sigmask"):  # On Windows.
         yield
