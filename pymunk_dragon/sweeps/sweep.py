@@ -12,7 +12,7 @@ from contextlib import AbstractContextManager, contextmanager, nullcontext, supp
 from functools import partial as partial_of
 from importlib.metadata import version
 from itertools import filterfalse
-from multiprocessing import get_context, parent_process
+from multiprocessing import active_children, get_context, parent_process
 from multiprocessing.spawn import get_executable
 from pathlib import Path
 from queue import SimpleQueue
@@ -31,6 +31,9 @@ from pymunk_dragon.sweeps.axes import Axes, axes_of, base_values, given_values, 
 from pymunk_dragon.sweeps.partial import PartialTable
 from pymunk_dragon.sweeps.quantities import Outcome, Quantity, Values, evaluate, quantity_of
 from pymunk_dragon.sweeps.result import Sweep, check_format
+
+# A function that submits calls to workers.
+_Submit = Callable[..., Future[Outcome]]
 
 # Futures that are submitted and not finished, at most: enough for as many workers, and few in
 # memory.
@@ -123,8 +126,8 @@ def sweep(
     pool = _pool(executor, scheduler, workers)
     call = partial_of(evaluate, chosen.name, base)
     with PartialTable(files, _description(chosen, points, base), points, resume=resume) as partial:
-        with pool as started:
-            for rows in _outcomes(started, call, partial.missing()):
+        with pool as submit:
+            for rows in _outcomes(submit, call, partial.missing()):
                 partial.append(rows)
                 progress(len(partial.rows), partial.count)
         reference = reference_values(chosen, given, points)
@@ -143,7 +146,7 @@ def _description(quantity: Quantity, axes: Axes, base: Values) -> dict[str, Any]
 
 
 def _outcomes(
-    pool: Executor, call: Callable[..., Outcome], points: Iterable[Any]
+    submit: _Submit, call: Callable[..., Outcome], points: Iterable[Any]
 ) -> Iterator[dict[int, Outcome]]:
     """Evaluate a quantity by `call` at numbered points; yields outcomes by these numbers."""
     running: dict[Future[Outcome], int] = {}
@@ -153,7 +156,7 @@ def _outcomes(
     try:
         for number, at in points:
             with signals_held():
-                running[future := pool.submit(call, at)] = number
+                running[future := submit(call, at)] = number
                 future.add_done_callback(done.put)
             if len(running) >= _MAX_RUNNING:
                 yield _finished(running, done)
@@ -180,54 +183,56 @@ def _finished(
 
 def _pool(
     executor: Executor | None, scheduler: str | None, workers: int | None
-) -> AbstractContextManager[Executor]:
-    """A context with the executor that these arguments of `sweep` mean."""
+) -> AbstractContextManager[_Submit]:
+    """A context with the method `submit` of the executor that these arguments of `sweep` mean."""
     count = whole("workers", _CORES if workers is None else workers, 1, _MAX_WORKERS)
     if not isinstance(executor, Executor | None):
         raise ParameterError("executor", executor, "a concurrent.futures.Executor")
     if scheduler is not None:
         label("scheduler", scheduler)
         return _cluster(library("distributed"), scheduler)
-    return nullcontext(executor) if executor else _Processes(count)
+    return nullcontext(executor.submit) if executor else _processes(count)
 
 
-class _Processes(ProcessPoolExecutor):
-    """Worker processes, which end at once when their context ends with an exception."""
+@contextmanager
+def _processes(count: int) -> Iterator[_Submit]:
+    """Worker processes, which end at once when this context ends with an exception."""
+    try:
+        # Multiprocessing itself ends in errors of all kinds, and prints some.
+        subprocess.run([get_executable(), "-ISc", ""], check=True, capture_output=True)
+    except (OSError, subprocess.SubprocessError) as error:
+        raise DragonError(f"no worker process starts: {error}") from error
+    others = active_children()
+    with _blocked_signals():
+        pool = ProcessPoolExecutor(count, get_context("spawn"), _begin_worker)
 
-    def __init__(self, count: int) -> None:
-        try:
-            # Multiprocessing itself ends in errors of all kinds, and prints some.
-            subprocess.run([get_executable(), "-ISc", ""], check=True, capture_output=True)
-        except (OSError, subprocess.SubprocessError) as error:
-            raise DragonError(f"no worker process starts: {error}") from error
+    def submit(*arguments: Any) -> Future[Outcome]:
+        """Submit a call, for which a process may be started."""
         with _blocked_signals():
-            super().__init__(count, get_context("spawn"), _begin_worker)
+            return pool.submit(*arguments)
 
-    def submit(self, *arguments: Any, **named: Any) -> Future[Any]:
-        """Submit a function, for which a process may be started."""
-        with _blocked_signals():
-            return super().submit(*arguments, **named)
-
-    def __exit__(self, kind: type[BaseException] | None, *rest: Any) -> None:
-        # `kill_workers` comes with Python 3.14. The thread of the executor ends with the processes:
-        # at its exit Python 3.11 would wake a thread that is about to end, and print an error.
-        if kind is not None:
-            for process in list((self._processes or {}).values()):
-                process.kill()
-        self.shutdown(cancel_futures=True)
+    try:
+        yield submit
+    except BaseException:
+        # `kill_workers` comes with Python 3.14.
+        for process in set(active_children()).difference(others):
+            process.kill()
+        raise
+    finally:
+        pool.shutdown(cancel_futures=True)
 
 
 @contextmanager
 def _blocked_signals() -> Iterator[None]:
     """Delay the signals that end the program, and block them in processes that start.
 
-    A terminal sends them to all processes. Other threads may receive what is blocked in this one,
-    and handlers run in this one; so both are needed.
+    A terminal sends them to all processes, and one that starts would print an error. Other threads
+    may receive what is blocked in this one, and handlers run in this one; so both are needed.
     """
-    if not hasattr(signal, "pthread_sigmask"):  # On Windows.
-        yield
-        return
     with signals_held():
+        if not hasattr(signal, "pthread_sigmask"):  # On Windows.
+            yield
+            return
         before = signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
         try:
             yield
@@ -250,7 +255,7 @@ def _begin_worker() -> None:
 
 
 @contextmanager
-def _cluster(distributed: Any, scheduler: str) -> Iterator[Executor]:
+def _cluster(distributed: Any, scheduler: str) -> Iterator[_Submit]:
     """The workers of a Dask scheduler at an address."""
     try:
         # A client with an address of another form waits for itself when it is closed.
@@ -260,4 +265,4 @@ def _cluster(distributed: Any, scheduler: str) -> Iterator[Executor]:
         bound = "the address of a Dask scheduler that answers, such as tcp://HOST:8786"
         raise ParameterError("scheduler", scheduler, bound) from error
     with client:
-        yield client.get_executor(pure=False)
+        yield client.get_executor(pure=False).submit
