@@ -5,7 +5,8 @@ quantity at many values of the parameters, on all cores, and draws a line or a m
 
 ```console
 $ pymunk-dragon sweep --axis pitch=0.50:0.60:0.02 -o pitch.csv
-$ pymunk-dragon sweep --quantity max-speed --axis ratio=1:2:0.25 --axis radius=4.5:6:0.5 -o a.csv -o a.png
+$ pymunk-dragon sweep --quantity max-speed --axis ratio=1:2:0.25 --axis radius=4.5:6:0.5 \
+    -o a.csv -o a.png
 ```
 
 ![The time of the first contact over pitch and width](renders/figures/contact-map.png)

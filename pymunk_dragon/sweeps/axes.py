@@ -34,43 +34,46 @@ def _axis(name: str, values: Sequence[float]) -> tuple[float, ...]:
         numbers = np.array([])
     if not numbers.size or not np.isfinite(numbers).all():
         raise ParameterError("axis", f"{name}={values}", "finite numbers, at least one")
+    whole = numbers % 1 == 0
     # Larger doubles have no digits after the point.
-    whole_numbers = ((numbers % 1 == 0) & (np.abs(numbers) < 2**53)).all()
-    return tuple(numbers.astype(int if whole_numbers else float).tolist())
+    if np.all(whole & (np.abs(numbers) < 2**53)):
+        numbers = numbers.astype(int)
+    return tuple(numbers.tolist())
 
 
 def given_values(
     scenario: Scenario | March | Mapping[str, Any] | None, axes: Axes
 ) -> dict[str, Any]:
     """Values of parameters of a scenario in any form."""
-    known = (
-        Scenario.of(scenario)
-        if isinstance(scenario, March)
-        else {}
-        if scenario is None
-        else scenario
-    )
-    values = known.values() if isinstance(known, Scenario) else Scenario.flat(known)
+    if isinstance(scenario, March):
+        scenario = Scenario.of(scenario)
+    if isinstance(scenario, Scenario):
+        values = scenario.values()
+    else:
+        values = Scenario.flat({} if scenario is None else scenario)
     if "start_s" in axes:
         values.pop("turns", None)
     return values
 
 
 def base_values(quantity: Quantity, given: Values, axes: Axes) -> dict[str, Any]:
-    """Complete values of parameters that are not axes, from the first corner of the axes that is a scenario."""
+    """Complete values of parameters that are not axes.
+
+    They are those at the first corner of the axes that is a scenario.
+    """
     errors = []
-    for corner in product(*(dict.fromkeys((min(values), max(values))) for values in axes.values())):
+    ends = [(min(values), max(values)) for values in axes.values()]
+    for corner in product(*ends):
+        at = dict(zip(axes, corner, strict=True))
         try:
-            found = quantity.complete_values({**given, **dict(zip(axes, corner, strict=True))})
+            found = quantity.complete_values({**given, **at})
             return {name: value for name, value in found.items() if name not in axes}
         except ParameterError as error:
             errors.append(error)
     first = errors[0]
-    raise (
-        ParameterError("axis", f"{first.name}={first.value}", first.bound)
-        if first.name in axes
-        else first
-    )
+    if first.name in axes:
+        raise ParameterError("axis", f"{first.name}={first.value}", first.bound)
+    raise first
 
 
 def reference_values(quantity: Quantity, given: Values, axes: Axes) -> dict[str, float]:

@@ -25,29 +25,25 @@ if TYPE_CHECKING:
 # Colours of small to large values: ink is readable on all of them but the last.
 _VALUES = ("#fde18b", "#aacd90", "#63ad99", "#2a879d", "#355b92")
 # Units by the last words of names.
-_UNITS = dict.fromkeys(("pitch", "width", "overhang", "spacing", "radius", "gap", "drift"), "m")
-_UNITS |= {
-    "speed": "m/s",
-    "time": "s",
-    "error": "s",
-    "start": "s",
-    "until": "s",
-    "substep": "s",
-    "start_s": "m",
-}
+_LENGTHS = "pitch", "width", "overhang", "spacing", "radius", "gap", "drift", "start_s"
+_TIMES = "time", "error", "start", "until", "substep"
+_UNITS = dict.fromkeys(_LENGTHS, "m") | dict.fromkeys(_TIMES, "s") | {"speed": "m/s"}
 # Share of the points above which the benches that touch there are named.
 _NAMED = 0.03
 
 
 def draw(found: Sweep) -> Figure:
-    """Draw a sweep of at most two axes with several values each, with matplotlib's current settings."""
+    """Draw a sweep of at most two axes with several values each.
+
+    Matplotlib's current settings apply.
+    """
     names = varied(found.axes) or found.names[:1]
     at = [np.array(found.column(name), dtype=float) for name in names]
     cells = [row[len(found.names) :] for row in found.rows()]
-    values = np.array(
-        [row[0] if isinstance(row[0], int | float) else np.nan for row in cells], dtype=float
-    )
+    first = [row[0] if isinstance(row[0], int | float) else np.nan for row in cells]
+    values = np.array(first, dtype=float)
     labels = list(map(_label, cells))
+
     figure = chart(8.0, 6.0)
     axes = figure.add_subplot(xlabel=_words(names[0], unit=True))
     quantity = _words(found.columns[len(found.names)], unit=True)
@@ -57,8 +53,10 @@ def draw(found: Sweep) -> Figure:
     else:
         axes.set_ylabel(_words(names[1], unit=True))
         figure.colorbar(_draw_map(axes, at[0], at[1], values, labels), label=quantity)
+
     _draw_missing(axes, at, ~np.isfinite(values))
-    for name, x, line in zip(names, at, (axes.axvline, axes.axhline), strict=False):
+    lines = axes.axvline, axes.axhline
+    for name, x, line in zip(names, at, lines, strict=False):
         own = found.reference[name]
         if min(x) <= own <= max(x):
             label = text("reference: {0}").format(f"{_words(name)} {own:g}")
@@ -70,16 +68,10 @@ def draw(found: Sweep) -> Figure:
 def _draw_missing(axes: Axes, at: Sequence[Array], missing: Flags) -> None:
     """Draw crosses at the points that are `missing`."""
     if missing.any():
-        heights = [*at, np.full(missing.size, axes.get_ylim()[0])][1]
-        axes.plot(
-            at[0][missing],
-            heights[missing],
-            "x",
-            color=QUIET,
-            ms=4,
-            label=text("no value"),
-            gid="missing",
-        )
+        bottom = axes.get_ylim()[0]
+        x, y = [*at, np.full(missing.size, bottom)][:2]
+        label = text("no value")
+        axes.plot(x[missing], y[missing], "x", color=QUIET, ms=4, label=label, gid="missing")
 
 
 def _write_titles(
@@ -92,10 +84,14 @@ def _write_titles(
     elif "bench_a" in found.columns:
         note = text("{0} points; labels: benches that touch first; others across each line")
     axes.set_title(note.format(found.points), color=QUIET)
-    title = text("{0} over {1}").format(text(found.summary), text(" and ").join(map(_words, names)))
+
+    over = text(" and ").join(map(_words, names))
+    title = text("{0} over {1}").format(text(found.summary), over)
     if values.size:
-        unit = _UNITS.get(found.columns[len(found.names)].rpartition("_")[2], "")
-        title += text(": {0:.4g} to {1:.4g} {2}").format(values.min(), values.max(), unit).rstrip()
+        column = found.columns[len(found.names)]
+        unit = _UNITS.get(column.rpartition("_")[2], "")
+        span = text(": {0:.4g} to {1:.4g} {2}")
+        title += span.format(values.min(), values.max(), unit).rstrip()
     figure.suptitle(title, size=16)
     if axes.get_legend_handles_labels()[0]:
         figure.legend(loc="outside lower center", ncols=4, frameon=False)
@@ -103,9 +99,8 @@ def _write_titles(
 
 def _draw_line(axes: Axes, x: Array, values: Array, labels: Sequence[str]) -> None:
     """Draw values over one axis, with a line for each run of points of one label."""
-    for label, run in groupby(
-        np.argsort(x, kind="stable").tolist(), key=lambda number: labels[number]
-    ):
+    order = np.argsort(x, kind="stable").tolist()
+    for label, run in groupby(order, key=labels.__getitem__):
         part = list(run)
         if np.isfinite(values[part]).any():
             name = label if len(part) > _NAMED * len(x) else None
@@ -113,22 +108,30 @@ def _draw_line(axes: Axes, x: Array, values: Array, labels: Sequence[str]) -> No
 
 
 def _draw_map(axes: Axes, x: Array, y: Array, values: Array, labels: Sequence[str]) -> Any:
-    """Draw values over two axes as coloured cells, which are returned, with lines between cells of different labels."""
+    """Draw values over two axes as coloured cells, which are returned.
+
+    Lines separate cells of different labels.
+    """
     from matplotlib.colors import LinearSegmentedColormap
 
-    (across, column), (up, row) = (np.unique(each, return_inverse=True) for each in (x, y))
-    cells, names = (
-        np.full((len(up), len(across)), np.nan),
-        np.full((len(up), len(across)), "", dtype=object),
-    )
-    cells[row, column], names[row, column] = values, labels
-    sides, heights = _edges(across), _edges(up)
+    across, column = np.unique(x, return_inverse=True)
+    up, row = np.unique(y, return_inverse=True)
+    shape = len(up), len(across)
+    cells = np.full(shape, np.nan)
+    cells[row, column] = values
+    names = np.full(shape, "", dtype=object)
+    names[row, column] = labels
+    sides = _edges(across)
+    heights = _edges(up)
     colours = LinearSegmentedColormap.from_list("sweep", list(_VALUES))
     mesh = axes.pcolormesh(sides, heights, cells, cmap=colours, rasterized=True, gid="values")
+
+    line: dict[str, Any] = {"color": COLOURS.ink, "lw": 0.9, "gid": "jumps"}
     i, j = np.nonzero(names[:, 1:] != names[:, :-1])
-    axes.vlines(sides[j + 1], heights[i], heights[i + 1], color=COLOURS.ink, lw=0.9, gid="jumps")
+    axes.vlines(sides[j + 1], heights[i], heights[i + 1], **line)
     i, j = np.nonzero(names[1:] != names[:-1])
-    axes.hlines(heights[i + 1], sides[j], sides[j + 1], color=COLOURS.ink, lw=0.9, gid="jumps")
+    axes.hlines(heights[i + 1], sides[j], sides[j + 1], **line)
+
     for name in dict.fromkeys(labels):
         inside = np.array([label == name for label in labels])
         if inside.mean() > _NAMED:
@@ -140,15 +143,18 @@ def _draw_map(axes: Axes, x: Array, y: Array, values: Array, labels: Sequence[st
 def _edges(middles: Array) -> Array:
     """Edges (N + 1,) of cells about the sorted `middles` (N,)."""
     between = (middles[1:] + middles[:-1]) / 2
-    return np.concatenate([2 * middles[:1] - between[:1], between, 2 * middles[-1:] - between[-1:]])
+    first = 2 * middles[:1] - between[:1]
+    last = 2 * middles[-1:] - between[-1:]
+    return np.concatenate([first, between, last])
 
 
 def _label(cells: Sequence[Any]) -> str:
-    """What cannot change continuously in a quantity's values: whole numbers or, without any, texts."""
+    """What cannot change continuously in a quantity's values: whole numbers, or else texts."""
     if cells[-1] is not None:
         return text("failed")
     whole = [str(each) for each in cells if isinstance(each, int)]
-    return text(" and ").join(whole or [text(each) for each in cells if isinstance(each, str)])
+    words = [text(each) for each in cells if isinstance(each, str)]
+    return text(" and ").join(whole or words)
 
 
 def _words(name: str, *, unit: bool = False) -> str:

@@ -42,7 +42,7 @@ class PartialTable:
         self.path = Path(f"{files[0]}.partial") if files else None
         # Content of the first line, until it is in the file.
         self._description = _encoded(description)
-        if self.path is not None and self.path.exists() and self.path.stat().st_size:
+        if self.path and self.path.exists() and self.path.stat().st_size:
             self._read(self.path, resume)
         self.resumed = len(self.rows)
 
@@ -56,7 +56,9 @@ class PartialTable:
         *lines, unfinished = content.split(b"\n")
         if not lines and not self._description.startswith(unfinished):
             raise FileFormatError(path, "not the partial table of a sweep")
-        values = [_decoded(path, line, number) for number, line in enumerate(lines, start=1)]
+        values = []
+        for number, line in enumerate(lines, start=1):
+            values.append(_decoded(path, line, number))
         if lines:
             if lines[0] != self._description[:-1]:
                 reason = "of another sweep: its axes, scenario, quantity, code or version differ"
@@ -77,10 +79,10 @@ class PartialTable:
         Raises an `OutputError` if they cannot be written.
         """
         if self.path is not None:
-            lines = b"".join(_encoded([number, *outcome]) for number, outcome in rows.items())
+            lines = [_encoded([number, *outcome]) for number, outcome in rows.items()]
             try:
                 with self.path.open("ab") as file:
-                    file.write(self._description + lines)
+                    file.write(self._description + b"".join(lines))
                     file.flush()
                     os.fsync(file.fileno())
             except OSError as error:

@@ -1,4 +1,7 @@
-"""What a sweep computes at each point: a function of a march and of keyword-only parameters, which can be axes too."""
+"""What a sweep computes at each point: a function of a march and of keyword-only parameters.
+
+These parameters can be axes, too.
+"""
 
 from __future__ import annotations
 
@@ -35,32 +38,37 @@ class Quantity:
     """
 
     def __init__(self, name: str, function: Callable[..., Values]) -> None:
-        self.name, self.function = name, function
+        self.name = name
+        self.function = function
         self.summary = (getdoc(function) or name).partition("\n")[0].rstrip(".")
         declared = signature(function).parameters.values()
         self.own_parameters = [each.name for each in declared if each.kind is each.KEYWORD_ONLY]
         self.parameters = [*_SCENARIO, *self.own_parameters]
 
     def complete_values(self, values: Values) -> dict[str, Any]:
-        """Complete and plain values of parameters; a `ParameterError` if one is out of range or no parameter."""
+        """Complete and plain values of parameters.
+
+        Raises a `ParameterError` if one is out of range, or no parameter.
+        """
         scenario, own = self.scenario(values)
-        return {
-            name: value
-            for name, value in scenario.values().items()
-            if name not in self.own_parameters
-        } | own
+        found = scenario.values()
+        for name in self.own_parameters:
+            found.pop(name, None)
+        return found | own
 
     def scenario(self, values: Values) -> tuple[Scenario, dict[str, Any]]:
         """The scenario of values of parameters, and the function's own ones."""
         others = dict(values)
-        own = {
-            name: _plain(name, others.pop(name)) for name in self.own_parameters if name in others
-        }
+        names = [name for name in self.own_parameters if name in others]
+        own = {name: _plain(name, others.pop(name)) for name in names}
         return Scenario.from_dict(others), own
 
 
 def quantity_of(quantity: str | Callable[..., Values]) -> Quantity:
-    """The quantity of a name, or of a function that has one; a `ParameterError` if it cannot be imported by it."""
+    """The quantity of a name, or of a function that has one.
+
+    Raises a `ParameterError` if the function cannot be imported by its name.
+    """
     named = f"{getattr(quantity, '__module__', '')}:{getattr(quantity, '__qualname__', quantity)}"
     name = quantity if isinstance(quantity, str) else named
     if ":" not in name:
@@ -79,26 +87,24 @@ def quantity_of(quantity: str | Callable[..., Values]) -> Quantity:
 
 
 def evaluate(name: str, base: Values, point: Values) -> Outcome:
-    """The outcome of a quantity at one point of its axes, as plain data: what was raised is a message."""
+    """The outcome of a quantity at one point of its axes, as plain data; an error is a message."""
     quantity = quantity_of(name)
     try:
         scenario, own = quantity.scenario({**base, **point})
         found = dict(quantity.function(scenario.march(), **own))
-        return {_column(key, point): _plain(key, value) for key, value in found.items()}, None
+        values = {_column(key, point): _plain(key, value) for key, value in found.items()}
     except BaseException as error:
-        reason = (
-            str(error) if isinstance(error, DragonError) else f"{type(error).__name__}: {error}"
-        )
-        return None, one_line(reason)[:_MAX_MESSAGE]
+        kind = "" if isinstance(error, DragonError) else f"{type(error).__name__}: "
+        return None, one_line(f"{kind}{error}")[:_MAX_MESSAGE]
+    return values, None
 
 
 def _column(name: object, axes: Values) -> str:
-    """The name of one of a quantity's values, if it can be that of a column beside those of the axes."""
+    """The name of one of a quantity's values, if a column beside the axes can have it."""
     if isinstance(name, str) and name.isprintable() and name not in {"", "error", *axes}:
         return name
-    raise ParameterError(
-        "a name of the quantity's values", name, "printable, and that of no other column"
-    )
+    bound = "printable, and that of no other column"
+    raise ParameterError("a name of the quantity's values", name, bound)
 
 
 def _plain(name: str, value: object) -> float | str | None:

@@ -32,20 +32,31 @@ class Sweep(Result):
 
     Attributes
     ----------
-    names, columns : tuple of str
-        Names of the axes, and of all columns: the axes, the values of the quantity, and `error`.
-    points, failed, resumed : int
-        Number of all points, of those without values, and of those that were finished before.
-    quantity, seconds : str and float
-        Name of the quantity; wall time, s.
-    axes, reference : mapping
-        Values of each axis, and the scenario's own value or nan.
+    names : tuple of str
+        Names of the axes.
+    columns : tuple of str
+        Names of all columns: the axes, the values of the quantity, and `error`.
+    points : int
+        Number of all points.
+    failed : int
+        Number of points without values.
+    resumed : int
+        Number of points that were finished before.
+    quantity : str
+        Name of the quantity.
+    seconds : float
+        Wall time, s.
+    axes : mapping
+        Values of each axis.
+    reference : mapping
+        The scenario's own value of each axis, or nan.
 
     Examples
     --------
     >>> from concurrent.futures import ThreadPoolExecutor
     >>> from pymunk_dragon import Scenario, sweep
-    >>> found = sweep(Scenario(benches=16, turns=8), {"width": [0.3, 0.4]}, executor=ThreadPoolExecutor(1))
+    >>> scenario, pool = Scenario(benches=16, turns=8), ThreadPoolExecutor(1)
+    >>> found = sweep(scenario, {"width": [0.3, 0.4]}, executor=pool)
     >>> found.points, found.column("width").tolist()
     (2, [0.3, 0.4])
     """
@@ -53,49 +64,56 @@ class Sweep(Result):
     def __init__(
         self, quantity: Quantity, partial: PartialTable, reference: Values, seconds: float
     ) -> None:
-        self.quantity, self.summary = quantity.name, quantity.summary
-        self.axes, self.reference = partial.axes, reference
+        self.quantity = quantity.name
+        self.summary = quantity.summary
+        self.axes = partial.axes
+        self.reference = reference
         self.names = tuple(self.axes)
         self.points = partial.count
-        self._values, self._errors = zip(
-            *map(partial.rows.__getitem__, range(self.points)), strict=True
-        )
-        self._of_quantity = list(dict.fromkeys(chain.from_iterable(filter(None, self._values))))
-        self.columns = (*self.names, *self._of_quantity, "error")
-        self.failed = self.points - self._errors.count(None)
         self.resumed = partial.resumed
         self.seconds = seconds
+        self._outcomes = [outcome for _, outcome in sorted(partial.rows.items())]
+        self.failed = sum(error is not None for _, error in self._outcomes)
+
+        # The columns in the order in which points have them.
+        found = chain.from_iterable(values or () for values, _ in self._outcomes)
+        self._of_quantity = list(dict.fromkeys(found))
+        self.columns = (*self.names, *self._of_quantity, "error")
 
     def rows(self) -> Iterator[list[Any]]:
-        """The rows of the table in the order of the grid, each with a value or None for each column."""
-        for point, values, error in zip(
-            product(*self.axes.values()), self._values, self._errors, strict=True
-        ):
+        """The rows of the table in the order of the grid, with a value or None for each column."""
+        points = product(*self.axes.values())
+        for point, (values, error) in zip(points, self._outcomes, strict=True):
             yield [*point, *map((values or {}).get, self._of_quantity), error]
 
     def column(self, name: str) -> NDArray[Any]:
-        """A column (P,): numbers, with nan where there is none, or objects if it has texts or only whole numbers."""
+        """A column (P,) of numbers, with nan where there is none.
+
+        It has objects if some are texts, or if all numbers are whole.
+        """
         position = self.columns.index(word("column", name, self.columns))
         values = [row[position] for row in self.rows()]
         kinds = set(map(type, values))
         return np.array(values, dtype=float if float in kinds and str not in kinds else object)
 
     def write(self, path: str | Path) -> None:
-        """Write the table as CSV, or a picture of it as PNG, SVG or PDF; errors are those of `sweep`."""
+        """Write the table as CSV, or a picture of it as PNG, SVG or PDF.
+
+        The errors are those of `sweep`.
+        """
         destination = check_format(path, self.axes)
         if destination.suffix.lower() != _TABLE:
             self.write_figure(destination)
             return
-        with (
-            written_in_place(destination) as draft,
-            draft.open("w", encoding="utf-8", newline="\n") as file,
-        ):
-            file.writelines(f"{line}\n" for line in self.csv())
+        with written_in_place(destination) as draft:
+            lines = [f"{line}\n" for line in self.csv()]
+            draft.write_text("".join(lines), encoding="utf-8", newline="\n")
 
     def csv(self) -> list[str]:
         """Lines of the table as CSV: numbers with all their digits, nothing for None."""
         table = StringIO()
-        csv.writer(table, lineterminator="\n").writerows([self.columns, *self.rows()])
+        writer = csv.writer(table, lineterminator="\n")
+        writer.writerows([self.columns, *self.rows()])
         return table.getvalue().splitlines()
 
     def to_dict(self) -> dict[str, Any]:
@@ -103,13 +121,13 @@ class Sweep(Result):
         return {name: getattr(self, name) for name in ("points", "failed", "resumed", "seconds")}
 
     def _lines(self) -> list[str]:
-        points, names = (
-            text("{count} points of {quantity} over {names}"),
-            text(" and ").join(self.names),
-        )
+        names = text(" and ").join(self.names)
+        points = text("{count} points of {quantity} over {names}")
         counts = [points.format(count=self.points, quantity=self.quantity, names=names)]
-        counts += [text("{count} resumed").format(count=self.resumed)] if self.resumed else []
-        counts += [text("{count} failed").format(count=self.failed)] if self.failed else []
+        if self.resumed:
+            counts.append(text("{count} resumed").format(count=self.resumed))
+        if self.failed:
+            counts.append(text("{count} failed").format(count=self.failed))
         return [", ".join(counts) + f": {self.seconds:.1f} s"]
 
     def _draw(self) -> Any:

@@ -12,7 +12,7 @@ from contextlib import AbstractContextManager, contextmanager, nullcontext, supp
 from functools import partial as partial_of
 from importlib.metadata import version
 from itertools import filterfalse
-from multiprocessing import get_context, parent_process
+from multiprocessing import active_children, get_context, parent_process
 from multiprocessing.spawn import get_executable
 from pathlib import Path
 from queue import SimpleQueue
@@ -31,17 +31,18 @@ from pymunk_dragon.sweeps.partial import PartialTable
 from pymunk_dragon.sweeps.quantities import Outcome, Quantity, Values, evaluate, quantity_of
 from pymunk_dragon.sweeps.result import Sweep, check_format
 
+# A function that submits calls to workers.
+_Submit = Callable[..., Future[Outcome]]
+
 # Futures that are submitted and not finished, at most: enough for as many workers, and few in
 # memory.
 _MAX_RUNNING = 256
-# Worker processes, at most (Windows waits for no more), and processors for this process, of which
-# each gets one.
+# Worker processes, at most: Windows waits for no more.
 _MAX_WORKERS = 61 if os.name == "nt" else 1000
-_CORES = (
-    len(os.sched_getaffinity(0))
-    if hasattr(os, "sched_getaffinity")
-    else min(os.cpu_count() or 1, _MAX_WORKERS)
-)
+# Processors for this process, of which each worker gets one.
+_CORES = min(os.cpu_count() or 1, _MAX_WORKERS)
+if hasattr(os, "sched_getaffinity"):
+    _CORES = len(os.sched_getaffinity(0))
 
 
 def sweep(
@@ -78,9 +79,10 @@ def sweep(
         finished points are in a partial table beside the first one, with the ending ``.partial``.
     resume : bool
         Whether to go on from the partial table of an interrupted sweep, if there is one.
-    scheduler, workers : str and int, optional
-        Address of a Dask scheduler, as ``"tcp://HOST:8786"``, instead of an executor; number of
-        processes.  [the cores]
+    scheduler : str, optional
+        Address of a Dask scheduler, as ``"tcp://HOST:8786"``, instead of an executor.
+    workers : int, optional
+        Number of processes.  [the cores]
     progress : callable, optional
         Called with the numbers of finished points and of all points.
 
@@ -99,7 +101,8 @@ def sweep(
     Examples
     --------
     >>> from concurrent.futures import ThreadPoolExecutor
-    >>> found = sweep(Scenario(benches=16, turns=8), {"width": [0.3, 0.4]}, executor=ThreadPoolExecutor(1))
+    >>> scenario, pool = Scenario(benches=16, turns=8), ThreadPoolExecutor(1)
+    >>> found = sweep(scenario, {"width": [0.3, 0.4]}, executor=pool)
     >>> print(*found.csv(), sep="\n")  # doctest: +ELLIPSIS
     width,contact_time,bench_a,bench_b,status,error
     0.3,80.691317691...,0,8,contact,
@@ -108,11 +111,9 @@ def sweep(
     begin = perf_counter()
     function("progress", progress)
     flag("resume", resume)
-    paths = (
-        (out,)
-        if isinstance(out, str | Path)
-        else instances("out", out, str | Path, "a path, or several")
-    )
+    if isinstance(out, str | Path):
+        out = [out]
+    paths = instances("out", out, str | Path, "a path, or several")
     chosen = quantity_of(quantity)
     points = axes_of(axes, chosen.parameters)
     given = given_values(scenario, points)
@@ -120,17 +121,16 @@ def sweep(
     if resume and not paths:
         raise ParameterError("resume", resume, "absent without a file to write")
     files = [check_format(path, points) for path in paths]
+
     pool = _pool(executor, scheduler, workers)
+    call = partial_of(evaluate, chosen.name, base)
     with PartialTable(files, _description(chosen, points, base), points, resume=resume) as partial:
-        with pool as started:
-            for rows in _outcomes(
-                started, partial_of(evaluate, chosen.name, base), partial.missing()
-            ):
+        with pool as submit:
+            for rows in _outcomes(submit, call, partial.missing()):
                 partial.append(rows)
                 progress(len(partial.rows), partial.count)
-        found = Sweep(
-            chosen, partial, reference_values(chosen, given, points), perf_counter() - begin
-        )
+        reference = reference_values(chosen, given, points)
+        found = Sweep(chosen, partial, reference, perf_counter() - begin)
         for file in files:
             found.write(file)
     return found
@@ -145,7 +145,7 @@ def _description(quantity: Quantity, axes: Axes, base: Values) -> dict[str, Any]
 
 
 def _outcomes(
-    pool: Executor, call: Callable[..., Outcome], points: Iterable[Any]
+    submit: _Submit, call: Callable[..., Outcome], points: Iterable[Any]
 ) -> Iterator[dict[int, Outcome]]:
     """Evaluate a quantity by `call` at numbered points; yields outcomes by these numbers."""
     running: dict[Future[Outcome], int] = {}
@@ -154,22 +154,24 @@ def _outcomes(
     done: SimpleQueue[Future[Outcome]] = SimpleQueue()
     try:
         for number, at in points:
-            running[future := pool.submit(call, at)] = number
+            running[future := submit(call, at)] = number
             future.add_done_callback(done.put)
             if len(running) >= _MAX_RUNNING:
                 yield _finished(running, done)
         while running:
             yield _finished(running, done)
     except Exception as error:  # Whatever an executor raises.
-        raise DragonError(
-            f"a worker was lost, or did not start: {type(error).__name__}: {error}"
-        ) from error
+        reason = f"{type(error).__name__}: {error}"
+        raise DragonError(f"a worker was lost, or did not start: {reason}") from error
 
 
 def _finished(
     running: dict[Future[Outcome], int], done: SimpleQueue[Future[Outcome]]
 ) -> dict[int, Outcome]:
-    """Remove futures that are done, and return their outcomes; if one has an error and no other has one, raise it."""
+    """Remove futures that are done, and return their outcomes.
+
+    Raises the error of one if all have errors.
+    """
     found = [done.get(), *(done.get() for _ in range(done.qsize()))]
     chosen = list(filterfalse(Future.exception, found)) or found
     for future in set(found).difference(chosen):
@@ -179,46 +181,51 @@ def _finished(
 
 def _pool(
     executor: Executor | None, scheduler: str | None, workers: int | None
-) -> AbstractContextManager[Executor]:
-    """A context with the executor that these arguments of `sweep` mean."""
+) -> AbstractContextManager[_Submit]:
+    """A context with the method `submit` of the executor that these arguments of `sweep` mean."""
     count = whole("workers", _CORES if workers is None else workers, 1, _MAX_WORKERS)
     if not isinstance(executor, Executor | None):
         raise ParameterError("executor", executor, "a concurrent.futures.Executor")
     if scheduler is not None:
         label("scheduler", scheduler)
         return _cluster(library("distributed"), scheduler)
-    return nullcontext(executor) if executor else _Processes(count)
+    return nullcontext(executor.submit) if executor else _processes(count)
 
 
-class _Processes(ProcessPoolExecutor):
-    """Worker processes, which end at once when their context ends with an exception."""
+@contextmanager
+def _processes(count: int) -> Iterator[_Submit]:
+    """Worker processes, which end at once when this context ends with an exception."""
+    try:
+        # Multiprocessing itself ends in errors of all kinds, and prints some.
+        subprocess.run([get_executable(), "-ISc", ""], check=True, capture_output=True)
+    except (OSError, subprocess.SubprocessError) as error:
+        raise DragonError(f"no worker process starts: {error}") from error
+    others = active_children()
+    with _blocked_signals():
+        pool = ProcessPoolExecutor(count, get_context("spawn"), _begin_worker)
 
-    def __init__(self, count: int) -> None:
-        try:
-            # Multiprocessing itself ends in errors of all kinds, and prints some.
-            subprocess.run([get_executable(), "-ISc", ""], check=True, capture_output=True)
-        except (OSError, subprocess.SubprocessError) as error:
-            raise DragonError(f"no worker process starts: {error}") from error
+    def submit(*arguments: Any) -> Future[Outcome]:
+        """Submit a call, for which a process may be started."""
         with _blocked_signals():
-            super().__init__(count, get_context("spawn"), _begin_worker)
+            return pool.submit(*arguments)
 
-    def submit(self, *arguments: Any, **named: Any) -> Future[Any]:
-        """Submit a function, for which a process may be started."""
-        with _blocked_signals():
-            return super().submit(*arguments, **named)
-
-    def __exit__(self, kind: type[BaseException] | None, *rest: Any) -> None:
-        # `kill_workers` comes with Python 3.14. The thread of the executor ends with the processes:
-        # at its exit Python 3.11 would wake a thread that is about to end, and print an error.
-        if kind is not None:
-            for process in list((self._processes or {}).values()):
-                process.kill()
-        self.shutdown(cancel_futures=True)
+    try:
+        yield submit
+    except BaseException:
+        # `kill_workers` comes with Python 3.14.
+        for process in set(active_children()).difference(others):
+            process.kill()
+        raise
+    finally:
+        pool.shutdown(cancel_futures=True)
 
 
 @contextmanager
 def _blocked_signals() -> Iterator[None]:
-    """Block the signals that end the program in processes that start: a terminal sends them to all."""
+    """Block the signals that end the program in processes that start.
+
+    A terminal sends them to all processes.
+    """
     if not hasattr(signal, "pthread_sigmask"):  # On Windows.
         yield
         return
@@ -245,7 +252,7 @@ def _begin_worker() -> None:
 
 
 @contextmanager
-def _cluster(distributed: Any, scheduler: str) -> Iterator[Executor]:
+def _cluster(distributed: Any, scheduler: str) -> Iterator[_Submit]:
     """The workers of a Dask scheduler at an address."""
     try:
         # A client with an address of another form waits for itself when it is closed.
@@ -255,4 +262,4 @@ def _cluster(distributed: Any, scheduler: str) -> Iterator[Executor]:
         bound = "the address of a Dask scheduler that answers, such as tcp://HOST:8786"
         raise ParameterError("scheduler", scheduler, bound) from error
     with client:
-        yield client.get_executor(pure=False)
+        yield client.get_executor(pure=False).submit
