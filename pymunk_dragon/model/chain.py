@@ -14,15 +14,12 @@ with e = P(s) - P(r), e . T(s) = d cos alpha and e . T(r) = d cos beta, and the 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from pymunk_dragon._arrays import Array, Complex, Flags, as_complex
-
-if TYPE_CHECKING:
-    from pymunk_dragon.model.curves.base import Curve
 
 # Passes of Newton's method, which needs 3 or 4, and of bisection, its fallback within a bracket,
 # which needs 53.
@@ -53,6 +50,21 @@ _SMALLEST_STEP = 1e-9
 _MAX_STEPS = 1_000
 # Chords over which the largest curvature ahead is taken when the growth of a distance is followed.
 _LOOKAHEAD = 0.25
+
+
+class Path(Protocol):
+    """The part of `Curve` that this module uses; `Curve` is above this module and imports it."""
+
+    # ruff: noqa: D102  # `Curve` documents them.
+    @property
+    def begin_s(self) -> float: ...
+    def point(self, s: ArrayLike) -> Array: ...
+    def frame(self, s: ArrayLike) -> tuple[Array, Array]: ...
+    def max_curvature(self, s: ArrayLike, other: ArrayLike) -> Array: ...
+    def _coordinate(self, parameter: Array) -> Array: ...
+    def _parameter(self, s: Array) -> Array: ...
+    def _estimate(self, heads: Array, parameters: Array, spacings: Array) -> Array: ...
+    def _motion(self, parameter: Array) -> tuple[Complex, Complex]: ...
 
 
 class RateBounds(NamedTuple):
@@ -118,7 +130,7 @@ class ChainMotion(NamedTuple):
         return ChainMotion(*map(change, self))
 
 
-def chain_motion(path: Curve, handles_s: Array, spacings: Array) -> ChainMotion:
+def chain_motion(path: Path, handles_s: Array, spacings: Array) -> ChainMotion:
     """Motion of chains whose handles have the coordinates (T, H)."""
     points, tangents = path.frame(handles_s)
     front, rear = angles(points, tangents, spacings)
@@ -126,7 +138,7 @@ def chain_motion(path: Curve, handles_s: Array, spacings: Array) -> ChainMotion:
     return ChainMotion(handles_s, as_complex(points), as_complex(tangents), ratios)
 
 
-def chains(path: Curve, heads: Array, spacings: Array) -> ChainMotion:
+def chains(path: Path, heads: Array, spacings: Array) -> ChainMotion:
     """Chains with the heads at the coordinates (T,), as `Curve.chain` describes them.
 
     Each chain is computed as a whole. Where this does not succeed, as its front is where the path
@@ -149,7 +161,7 @@ def chains(path: Curve, heads: Array, spacings: Array) -> ChainMotion:
     return found
 
 
-def _bench_by_bench(path: Curve, heads: Array, spacings: Array) -> Array:
+def _bench_by_bench(path: Path, heads: Array, spacings: Array) -> Array:
     """Coordinates (T, H) of chains, from each handle to the next."""
     handles_s = np.full((heads.size, spacings.size + 1), np.nan)
     off = np.isnan(path._parameter(heads))
@@ -160,7 +172,7 @@ def _bench_by_bench(path: Curve, heads: Array, spacings: Array) -> Array:
     return handles_s
 
 
-def _whole_chains(path: Curve, heads: Array, spacings: Array) -> tuple[ChainMotion, Flags]:
+def _whole_chains(path: Path, heads: Array, spacings: Array) -> tuple[ChainMotion, Flags]:
     """Chains with the heads at the coordinates (T,), each computed as a whole, where that succeeds.
 
     The second value is for which (T,) it did.
@@ -201,7 +213,7 @@ def _empty(chains: int, handles: int) -> ChainMotion:
 
 
 def _solve_block(
-    path: Curve, heads: Array, parameters: Array, spacings: Array, into: ChainMotion
+    path: Path, heads: Array, parameters: Array, spacings: Array, into: ChainMotion
 ) -> Flags:
     """Write chains to arrays (H, T), whose rows are contiguous; which are accepted, (T,)."""
     lengths = spacings[:, None]
@@ -263,7 +275,7 @@ def _ratios(benches: Complex, derivatives: Complex) -> tuple[Array, Array]:
     return np.cumprod(ratios, axis=0, out=ratios), behind
 
 
-def rear_handle(path: Curve, s: Array, chord: float) -> Array:
+def rear_handle(path: Path, s: Array, chord: float) -> Array:
     """Nearest coordinates (T,) back from `s` (T,) at the straight distance `chord`; nan if none."""
     shortest, longest, gentle = gentle_offsets(path, s, chord)
     sharp = np.flatnonzero(~gentle)
@@ -272,7 +284,7 @@ def rear_handle(path: Curve, s: Array, chord: float) -> Array:
     return rear_between(path, s, chord, shortest, longest)
 
 
-def _nearest(path: Curve, handles_s: Array, spacings: Array) -> Flags:
+def _nearest(path: Path, handles_s: Array, spacings: Array) -> Flags:
     """Whether (T,) the rear handles of chains (H, T) are those that `rear_handle` finds."""
     fronts = handles_s[:-1]
     rears = handles_s[1:]
@@ -297,7 +309,7 @@ def _nearest(path: Curve, handles_s: Array, spacings: Array) -> Flags:
     return np.asarray(found.all(axis=0))
 
 
-def gentle_offsets(path: Curve, s: Array, chord: float) -> tuple[Array, Array, Flags]:
+def gentle_offsets(path: Path, s: Array, chord: float) -> tuple[Array, Array, Flags]:
     """Offsets back from `s` (T,) that bracket the handle behind, and whether the path is gentle.
 
     Where the path is no more curved than a circle with the chord as its diameter, the straight
@@ -312,7 +324,7 @@ def gentle_offsets(path: Curve, s: Array, chord: float) -> tuple[Array, Array, F
     return shortest, longest, sine < 1
 
 
-def rear_between(path: Curve, s: Array, chord: float, low: Array, high: Array) -> Array:
+def rear_between(path: Path, s: Array, chord: float, low: Array, high: Array) -> Array:
     """Coordinates (T,) back from `s` at the straight distance `chord`; nan before the path's begin.
 
     Newton's method, bracketed by the offsets `low` and `high`, between which the distance grows.
@@ -349,7 +361,7 @@ def rear_between(path: Curve, s: Array, chord: float, low: Array, high: Array) -
     return np.maximum(s - offset, path.begin_s)
 
 
-def _bracket(path: Curve, s: Array, chord: float) -> tuple[Array, Array]:
+def _bracket(path: Path, s: Array, chord: float) -> tuple[Array, Array]:
     """Offsets back from `s`, each (T,), that bracket the first point at distance `chord`.
 
     The distance grows from `s` to there. Let d be the distance at the offset h, and g the
