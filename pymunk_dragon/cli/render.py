@@ -142,7 +142,7 @@ def _write_page(sources: list[Run | March], path: Path, title: str | None) -> No
 
 
 def _sources(run_files: tuple[str, ...], exact: bool) -> list[Run | March]:
-    """Return the runs, and with --exact the march of the first one; without runs, the march of the scenario."""
+    """The runs, and with --exact the march of the first one; without runs, the march of the scenario."""
     if not run_files:
         if exact:
             raise click.UsageError("--exact needs a run: name one, or leave it out")

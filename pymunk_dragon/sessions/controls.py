@@ -82,7 +82,7 @@ class Slider:
                 raise ParameterError("value", self.value, "a whole number")
 
     def checked(self, value: object) -> float:
-        """Return the value, if it is in the range, and whole if it has to be."""
+        """The value, if it is in the range, and whole if it has to be."""
         number = finite(self.name, value, self.low, self.high, self.unit)
         if self.whole and not number.is_integer():
             raise ParameterError(self.name, value, "a whole number")
@@ -90,7 +90,7 @@ class Slider:
 
 
 def slider_around(name: str, low: float, high: float, value: float, **options: Any) -> Slider:
-    """Return a slider whose range also has its value, as that of a space may lie anywhere."""
+    """A slider whose range also has its value, as that of a space may lie anywhere."""
     return Slider(name, min(low, value), max(high, value), value, **options)
 
 
@@ -218,7 +218,7 @@ class PygameEvents:
             pygame.event.post(pygame.event.Event(getattr(pygame, kind), values))
 
     def _code(self, name: str) -> int | None:
-        """Return pygame's number of a key, which is that of the character if it has one."""
+        """Pygame's number of a key, which is that of the character if it has one."""
         if len(name) == 1:
             return ord(name.lower()[0])
         name = _KEY_NAMES.get(name, name.removeprefix("Arrow").upper())
@@ -226,16 +226,16 @@ class PygameEvents:
         return code
 
     def _mods(self) -> int:
-        """Return the modifier keys that are down."""
+        """The modifier keys that are down."""
         pygame = self._pygame
         names = [name for name in _MODIFIERS if self._keys[getattr(pygame, f"K_{name}")]]
         return sum(getattr(pygame, f"KMOD_{name}") for name in names)
 
     def _moved(self) -> tuple[int, int]:
-        """Return how far the pointer has moved since the last call."""
+        """How far the pointer has moved since the last call."""
         before, self._place_before = self._place_before, self._place
         return self._place[0] - before[0], self._place[1] - before[1]
 
     def _pressed(self, num_buttons: int = 3, desktop: bool = False) -> tuple[bool, ...]:
-        """Return which buttons are down, of three or five."""
+        """Which buttons are down, of three or five."""
         return (*self._buttons, False, False)[:num_buttons]

@@ -79,7 +79,7 @@ class DragonScene(Scene):
         self.contacts(contacts)
 
     def _sliders(self) -> list[Slider]:
-        """Return the sliders of a dragon; sizes that differ from bench to bench have none."""
+        """The sliders of a dragon; sizes that differ from bench to bench have none."""
         dragon, values, speed = self.march.dragon, self._given, self.world.top_speed
         engine: dict[str, Any] = {"action": self._apply, "logarithmic": True}
         longest = 1e3 * MAX_STRIDE / speed
@@ -198,16 +198,16 @@ class DragonScene(Scene):
         self.world.cut([pivot is found for pivot in self.world.pivots].index(True))
 
     def shapes(self) -> list[pymunk.Shape]:
-        """Return the shapes of the benches: where two overlap, the page points at the one of the lower number."""
+        """The shapes of the benches: where two overlap, the page points at the one of the lower number."""
         self.space.debug_draw(self._recorder)
         return [*reversed(self.world.shapes)]
 
     def joints(self) -> list[pymunk.Constraint]:
-        """Return the joints between benches that were not cut; those of guide and motor are not shown."""
+        """The joints between benches that were not cut; those of guide and motor are not shown."""
         return [pivot for pivot in self.world.pivots if pivot.max_force > 0]
 
     def to_dict(self) -> dict[str, Any]:
-        """Return what the page gets once: the sizes of the benches, and the curve."""
+        """What the page gets once: the sizes of the benches, and the curve."""
         dragon = self.march.dragon
         sizes = {name: getattr(dragon, name).tolist() for name in ("lengths", "widths", "spacings")}
         curve = {
@@ -217,7 +217,7 @@ class DragonScene(Scene):
         return super().to_dict() | {"dragon": {**sizes, "hole": hole_diameter(dragon), **curve}}
 
     def state(self) -> dict[str, Any]:
-        """Return what changes now and then."""
+        """What changes now and then."""
         cuts = [number for number, pivot in enumerate(self.world.pivots) if pivot.max_force == 0]
         return super().state() | {
             "contacts": self._contacts_do,
@@ -226,7 +226,7 @@ class DragonScene(Scene):
         }
 
     def poses(self) -> Array:
-        """Return the poses (N, 3) of the benches: m, m, rad."""
+        """The poses (N, 3) of the benches: m, m, rad."""
         return self.world.poses
 
     def _parts(self) -> tuple[dict[str, Any], dict[str, Array]]:
@@ -249,7 +249,7 @@ class DragonScene(Scene):
 
 
 def _settings(values: Values) -> dict[str, Any]:
-    """Return the settings of the engine for values of the sliders."""
+    """The settings of the engine for values of the sliders."""
     return {
         "substep": values["step"] / 1e3,
         "iterations": int(values["iterations"]),
@@ -258,7 +258,7 @@ def _settings(values: Values) -> dict[str, Any]:
 
 
 def _touch_text(first: int, i: int) -> str:
-    """Return the event of a pair that begins to touch; the first number may be that of obstacles."""
+    """The event of a pair that begins to touch; the first number may be that of obstacles."""
     if first == _OBSTACLE:
         return f"bench {i} and an obstacle touch"
     i, j = first, i

@@ -84,14 +84,14 @@ class Live(AbstractContextManager["Live"]):
             self._server.stop()
 
     def paused(self) -> AbstractContextManager[bool]:
-        """Return a context in which the space is not stepped, so that a program may change it."""
+        """A context in which the space is not stepped, so that a program may change it."""
         return self._session.held
 
     def __exit__(self, *raised: object) -> None:
         self.stop()
 
     def _repr_mimebundle_(self, include: object = None, exclude: object = None) -> Any:
-        """Return the page: a widget or, without anywidget, a frame."""
+        """The page: a widget or, without anywidget, a frame."""
         if _has_widgets():
             from pymunk_dragon.sessions.widget import LiveWidget
 
@@ -230,7 +230,7 @@ def _check_unchanged(settings: PlaySettings) -> None:
 
 
 def source_of(what: object, settings: PlaySettings) -> SceneSource:
-    """Return how the scene of a march, a space, a function or a name is made."""
+    """How the scene of a march, a space, a function or a name is made."""
     if what is None or isinstance(what, str):
         return named_scene("dragon" if what is None else what)
     if isinstance(what, March):

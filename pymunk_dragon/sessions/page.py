@@ -28,7 +28,7 @@ _SCRIPTS = (
 
 @cache
 def live_page(title: str, language: str) -> tuple[str, str]:
-    """Return the page, which opens in a language, and its content security policy."""
+    """The page, which opens in a language, and its content security policy."""
     return document(
         asset(__package__, "assets/live.html"),
         asset(__package__, "assets/live.css"),

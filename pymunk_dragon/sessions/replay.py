@@ -54,7 +54,7 @@ class Recording:
         self._inputs.append(json.dumps([scene.steps, message.to_dict()]))
 
     def log(self, scene: Scene) -> Log:
-        """Return the recording, which ends at the present state of the scene."""
+        """The recording, which ends at the present state of the scene."""
         return {
             "plan": self._saved_as,
             "values": self._first,

@@ -48,12 +48,12 @@ SCENES: dict[str, SceneSource] = {}
 
 
 def named_scene(name: str) -> SceneSource:
-    """Return the scene of the command that has a name."""
+    """The scene of the command that has a name."""
     return SCENES[word("scene", name, list(SCENES))]
 
 
 def march_scene(march: March, start: float = 0.0) -> SceneSource:
-    """Return the scene of a march that begins at `start`, s."""
+    """The scene of a march that begins at `start`, s."""
     finite("start", start, -math.inf, math.inf, "s")
     try:
         saved_as = {"scenario": Scenario.of(march).to_dict(), "start": start}
@@ -69,7 +69,7 @@ def march_scene(march: March, start: float = 0.0) -> SceneSource:
 
 
 def recorded_scene(saved_as: Mapping[str, Any]) -> SceneSource:
-    """Return the scene of a recording, from its `SceneSource.saved_as`."""
+    """The scene of a recording, from its `SceneSource.saved_as`."""
     if "scene" in saved_as:
         return named_scene(saved_as["scene"])
     march = Scenario.from_dict(saved_as["scenario"], files=False).march()
@@ -77,7 +77,7 @@ def recorded_scene(saved_as: Mapping[str, Any]) -> SceneSource:
 
 
 def space_scene(build: Callable[..., pymunk.Space], settings: PlaySettings) -> SceneSource:
-    """Return the scene of a function that builds a space; sliders with the names of its arguments have their values."""
+    """The scene of a function that builds a space; sliders with the names of its arguments have their values."""
     arguments = signature(build).parameters
     settings = replace(
         settings, controls=[_at_start(each, arguments) for each in settings.controls]
@@ -106,7 +106,7 @@ def space_scene(build: Callable[..., pymunk.Space], settings: PlaySettings) -> S
 
 
 def _at_start(control: Any, arguments: Mapping[str, Parameter]) -> Any:
-    """Return a control; a slider has its value at the start, if that is not the value of a property of the space."""
+    """A control; a slider has its value at the start, if that is not the value of a property of the space."""
     if not isinstance(control, Slider | Button | PygameEvents):
         raise ParameterError("controls", control, "Slider, Button, Key and PygameEvents")
     if not isinstance(control, Slider):
@@ -156,7 +156,7 @@ def add(
 def _scene(
     name: str, title: str, lesson: str | None = None, **settings: Any
 ) -> Callable[[Any], Any]:
-    """Return a decorator that adds a scene, whose name stands in recordings."""
+    """A decorator that adds a scene, whose name stands in recordings."""
     saved_as = {"scene": name}
     return partial(add, name=name, title=title, lesson=lesson, saved_as=saved_as, **settings)
 
@@ -198,7 +198,7 @@ def _jam(values: Values) -> Scene:
 
 
 def _space() -> pymunk.Space:
-    """Return an empty space with gravity."""
+    """An empty space with gravity."""
     space = pymunk.Space()
     space.gravity, space.iterations = (0, -9.81), 20
     return space
@@ -207,7 +207,7 @@ def _space() -> pymunk.Space:
 def _box(
     space: pymunk.Space, size: tuple[float, float], x: float, y: float, group: int = 0
 ) -> pymunk.Body:
-    """Return a new box of 1 kg in a space; boxes of the same group but 0 pass through each other."""
+    """A new box of 1 kg in a space; boxes of the same group but 0 pass through each other."""
     body = pymunk.Body(1.0, pymunk.moment_for_box(1.0, size))
     body.position, shape = (x, y), pymunk.Poly.create_box(body, size)
     shape.friction, shape.filter = 0.7, pymunk.ShapeFilter(group=group)

@@ -235,7 +235,7 @@ class Server:
 
 
 def _bound(host: str, port: int) -> socket.socket:
-    """Return a socket that listens; port 0 is a free one."""
+    """A socket that listens; port 0 is a free one."""
     whole("port", port, 0, 65535)
     try:
         return socket.create_server(
