@@ -104,7 +104,7 @@ class Clients:
         self.tell({"kind": "building"})
 
     def tell_scene(self, description: dict[str, Any] | None = None) -> None:
-        """Send what describes the scene, also to those that join later; by default, send it again."""
+        """Send what describes the scene, also to those that join later; by default, again."""
         self._description = description or self._description
         self.tell(self._description)
 

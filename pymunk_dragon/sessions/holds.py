@@ -42,8 +42,8 @@ class Holds:
         if thing is None:
             return
 
-        # Others go on holding the same key or button, and have nothing to let go of it if a client
-        # that did not hold it releases it. There is one hand: who grabs a body takes it over.
+        # A client that releases a key or a button without holding it releases it for all. There is
+        # one hand: a client that grabs another body takes it over.
         shared = thing != _HAND and (release is not None or client in self._holders(thing))
         gone = [client] if shared else self._holders(thing)
         self._all = [each for each in self._all if each.thing != thing or each.client not in gone]

@@ -29,12 +29,10 @@ _SCRIPTS = (
 @cache
 def live_page(title: str, language: str) -> tuple[str, str]:
     """The page, which opens in a language, and its content security policy."""
-    return document(
-        asset(__package__, "assets/live.html"),
-        asset(__package__, "assets/live.css"),
-        "".join(asset(__package__, f"assets/{name}.js") for name in _SCRIPTS),
-        "; connect-src 'self'",
-        language=language,
-        title=escape(title),
-        texts=embedded_json({"zh": catalogue("pymunk_dragon.player", __package__)}),
-    )
+    body = asset(__package__, "assets/live.html")
+    style = asset(__package__, "assets/live.css")
+    script = "".join(asset(__package__, f"assets/{name}.js") for name in _SCRIPTS)
+    connections = "; connect-src 'self'"
+    texts = embedded_json({"zh": catalogue("pymunk_dragon.player", __package__)})
+    values = {"language": language, "title": escape(title), "texts": texts}
+    return document(body, style, script, connections, **values)

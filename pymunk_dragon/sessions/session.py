@@ -242,7 +242,7 @@ class Session:
             return self.clock.wait(with_frames=bool(self.clients))
 
     def _run(self) -> None:
-        """Take turns until the session is stopped, also by `sys.exit` in a function of the user's."""
+        """Take turns until the session is stopped, also by `sys.exit` in the user's code."""
         try:
             with suppress(SystemExit):
                 while not self._ended.is_set():
