@@ -38,10 +38,10 @@ class Message:
         """The message as JSON has it."""
         return {"do": self.do, **vars(self)}
 
-    def _check(self, check: Callable[[str, object], Any], *names: str) -> None:
-        """Replace fields by what a check returns."""
+    def _check(self, limit: float, *names: str) -> None:
+        """Raise an error if one of these fields is no number from `-limit` to `limit`."""
         for name in names:
-            object.__setattr__(self, name, check(name, getattr(self, name)))
+            finite(name, getattr(self, name), -limit, limit, "")
 
 
 class Input(Message):
@@ -105,7 +105,6 @@ class Speed(Message):
 
     def __post_init__(self) -> None:
         finite("speed", self.value, _MIN_SPEED, _MAX_SPEED, "times")
-        self._check(_number, "value")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -150,7 +149,8 @@ class Set(Input):
 
     def __post_init__(self) -> None:
         label("name", self.name)
-        self._check(_number, "value")
+        # The scene checks the range of the slider.
+        self._check(math.inf, "value")
 
     def key(self) -> object:
         """One key for each slider: of many values that wait for it, the last is set."""
@@ -170,7 +170,7 @@ class _At(Input):
     slip: float
 
     def __post_init__(self) -> None:
-        self._check(_coordinate, "x", "y", "slip")
+        self._check(MAX_COORDINATE, "x", "y", "slip")
 
 
 class Grab(_At):
@@ -193,7 +193,7 @@ class Drag(Input):
     y: float
 
     def __post_init__(self) -> None:
-        self._check(_coordinate, "x", "y")
+        self._check(MAX_COORDINATE, "x", "y")
 
     def key(self) -> object:
         """One key for all: of many points that wait, the last is the pointer's."""
@@ -238,7 +238,7 @@ class Obstacle(Input):
     def __post_init__(self) -> None:
         word("shape", self.shape, ("round", "square"))
         positive("size", self.size, math.inf, "")
-        self._check(_coordinate, "x", "y", "size")
+        self._check(MAX_COORDINATE, "x", "y", "size")
 
     def apply(self, scene: Scene) -> None:
         """Change a scene."""
@@ -291,7 +291,7 @@ class Pointer(Input):
     button: int
 
     def __post_init__(self) -> None:
-        self._check(_coordinate, "x", "y")
+        self._check(MAX_COORDINATE, "x", "y")
         word("kind", self.kind, ("down", "move", "up"))
         whole("button", self.button, 1, 3)
 
@@ -310,7 +310,8 @@ class Wheel(Input):
     up: float
 
     def __post_init__(self) -> None:
-        self._check(_notches, "right", "up")
+        finite("right", self.right, -_MAX_NOTCHES, _MAX_NOTCHES, "notches")
+        finite("up", self.up, -_MAX_NOTCHES, _MAX_NOTCHES, "notches")
 
     def apply(self, scene: Scene) -> None:
         """Change a scene."""
@@ -430,19 +431,6 @@ class Waiting:
         """Return when an action waits, at the latest after `seconds`."""
         with self._added:
             self._added.wait_for(lambda: self._actions, seconds)
-
-
-def _number(name: str, value: object) -> float:
-    """Any finite number; the range is that of a slider."""
-    return finite(name, value, -math.inf, math.inf, "")
-
-
-def _coordinate(name: str, value: object) -> float:
-    return finite(name, value, -MAX_COORDINATE, MAX_COORDINATE, "")
-
-
-def _notches(name: str, value: object) -> float:
-    return finite(name, value, -_MAX_NOTCHES, _MAX_NOTCHES, "notches")
 
 
 def _dragon_of(scene: Scene, message: Input) -> DragonScene:

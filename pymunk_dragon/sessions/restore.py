@@ -13,8 +13,8 @@ import pymunk
 
 from pymunk_dragon.model.contact import Phase
 
-# Properties of a body in the order in which they are set: the type changes mass and moment, and
-# Pymunk finds the position from that of the centre of gravity, with the angle.
+# Properties of a body that are set before the others, in this order: the type changes mass and
+# moment, and Pymunk finds the position from that of the centre of gravity, with the angle.
 _FIRST = ("body_type", "mass", "moment", "center_of_gravity", "angle", "position")
 
 Part = pymunk.Space | pymunk.Body | pymunk.Shape | pymunk.Constraint
@@ -36,7 +36,8 @@ class FirstState:
     """
 
     def __init__(self, space: pymunk.Space) -> None:
-        self.space, self._has_begun = space, False
+        self.space = space
+        self._has_begun = False
         self._callbacks = callbacks(space)
         self._added = list(space.bodies)
         self._shapes = list(space.shapes)
@@ -66,6 +67,7 @@ class FirstState:
         silence(space, callbacks(space))
         _empty(space)
 
+        # Parts get their properties back while they are not in the space.
         self._set_back([space])
         self._make_dynamic()
         self._detach()
@@ -83,6 +85,7 @@ class FirstState:
         self._set_back(self._bodies)
         self._restore_own_attributes()
         self._put_to_sleep()
+
         for types, phases in self._callbacks.items():
             for phase, (function, data) in phases.items():
                 callback: dict[str, Any] = {phase: function}
@@ -129,7 +132,7 @@ class FirstState:
 def callbacks(space: pymunk.Space) -> Callbacks:
     """The callbacks of a space, which Pymunk 7.3.1 shows in the state for `pickle` only.
 
-    That takes long where shapes touch: 2 ms for each contact in a space of 3,000 bodies.
+    Reading them takes long where shapes touch: 2 ms for each contact in a space of 3,000 bodies.
     """
     handlers = dict(space.__getstate__()["special"])["_handlers"]
     return {types: _phases(kept) for types, kept in handlers}

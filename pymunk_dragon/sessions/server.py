@@ -44,6 +44,8 @@ _HEARTBEAT = 20.0
 _SAVE_TIME = 10.0
 # Time for the last bytes when the server ends, s.
 _STOP_TIME = 0.5
+# Ports have 16 bits.
+_MAX_PORT = 65_535
 # Names of this machine that no other machine can reach.
 _LOOPBACK = ("localhost", "127.0.0.1", "::1")
 _HEADERS = {
@@ -260,7 +262,7 @@ def _has(request: web.Request, token: str) -> bool:
 
 def _bound(host: str, port: int) -> socket.socket:
     """A socket that listens; port 0 is a free one."""
-    whole("port", port, 0, 65535)
+    whole("port", port, 0, _MAX_PORT)
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
     try:
         return socket.create_server((host, port), family=family)

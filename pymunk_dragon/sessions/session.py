@@ -178,7 +178,7 @@ class Session:
         self.call(partial(self._let_go, client))
 
     def receive(self, client: Client, message: Message) -> None:
-        """Have a message take effect before the next step; the client gets the error if it cannot."""
+        """Have a message take effect before the next step, or send the client the error."""
         if len(self._waiting) >= _MAX_WAITING:
             bound = f"sent while fewer than {_MAX_WAITING} wait"
             raise ParameterError("message", message.do, bound)
@@ -320,7 +320,7 @@ class Session:
         self._end_replay(DragonError(f"the replay ends at step {self.scene.steps}: {error}"))
 
     def _show(self, now: float) -> None:
-        """Send clients the state if it changed, and a frame, now and then with values for charts."""
+        """Send clients the state, if it changed, and a frame, sometimes with values for charts."""
         self.clients.tell_state(self.state())
         header: dict[str, Any] = {
             "generation": self.generation,
@@ -437,7 +437,7 @@ class Session:
         self._describe()
 
     def _discard_old_scene(self, source: SceneSource, scene: Scene) -> None:
-        """Prepare the space of the scene before this one for being freed, if this one has another."""
+        """Prepare the space of the old scene for being freed, if the new one has another space."""
         if self.generation and self.scene.space is not scene.space:
             self._discard()
         if source.given:
