@@ -108,7 +108,14 @@ def slider_around(name: str, low: float, high: float, value: float, **options: A
 
 @dataclass(frozen=True)
 class Button:
-    """A button with a text that calls ``action(space)``.
+    """A button with a text that calls a function.
+
+    Parameters
+    ----------
+    name : str
+        Text of the button.
+    action : callable
+        Called as ``action(space)`` when the button is pressed.
 
     Examples
     --------
@@ -127,10 +134,16 @@ class Button:
 
 @dataclass(frozen=True)
 class Key(Button):
-    """A key that calls ``action(space)`` and, when it is released, ``up(space)``.
+    """A key that calls a function, and does nothing else on the page.
 
-    The name of the key is that of `KeyboardEvent.key` in browsers: "ArrowLeft", " " or "x". The key
-    does nothing else on the page.
+    Parameters
+    ----------
+    name : str
+        Name of the key, that of `KeyboardEvent.key` in browsers: "ArrowLeft", " " or "x".
+    action : callable
+        Called as ``action(space)`` when the key is pressed.
+    up : callable, optional
+        Called as ``up(space)`` when the key is released.
 
     Examples
     --------

@@ -360,8 +360,16 @@ class Hold(Input):
         _dragon_of(scene, self).hold()
 
 
-_SESSION_MESSAGES = (Play, UntilContact, Pause, Reset, Step, Speed, ChangeScene, Ping)
-_INPUTS = (
+_MESSAGES: tuple[type[Message], ...] = (
+    Play,
+    UntilContact,
+    Pause,
+    Reset,
+    Step,
+    Speed,
+    ChangeScene,
+    Ping,
+    # Inputs.
     Set,
     Grab,
     Drag,
@@ -377,7 +385,7 @@ _INPUTS = (
     Hold,
 )
 # Classes of messages by their names in JSON.
-KINDS: dict[str, type[Message]] = {each.do: each for each in (*_SESSION_MESSAGES, *_INPUTS)}
+KINDS = {each.do: each for each in _MESSAGES}
 
 
 def read_message(found: object) -> Message:

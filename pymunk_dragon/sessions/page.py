@@ -32,7 +32,7 @@ def live_page(title: str, language: str) -> tuple[str, str]:
     body = asset(__package__, "assets/live.html")
     style = asset(__package__, "assets/live.css")
     script = "".join(asset(__package__, f"assets/{name}.js") for name in _SCRIPTS)
-    connections = "; connect-src 'self'"
     texts = embedded_json({"zh": catalogue("pymunk_dragon.player", __package__)})
-    values = {"language": language, "title": escape(title), "texts": texts}
-    return document(body, style, script, connections, **values)
+    rules = "; connect-src 'self'"
+    title = escape(title)
+    return document(body, style, script, rules, language=language, title=title, texts=texts)
