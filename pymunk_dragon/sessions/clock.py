@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from time import perf_counter
 
 # Least time between two pictures, s.
 _FRAME_TIME = 1 / 60
@@ -19,7 +18,7 @@ _MAX_EVENTS = 20
 class Clock:
     """Times at which steps and pictures are due; `read` returns the present time, s."""
 
-    def __init__(self, read: Callable[[], float] = perf_counter, *, running: bool = True) -> None:
+    def __init__(self, read: Callable[[], float], *, running: bool) -> None:
         self.read = read
         self.running = running
         # Simulated time over real time.

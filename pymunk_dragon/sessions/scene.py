@@ -67,7 +67,7 @@ class Scene:
         self.settings = settings
         # Whether a program makes the steps itself, by `Live.step`.
         self.manual = settings.step is None
-        # Before its first step, such a program has not told the length.
+        # Before the first step of such a program, its length is not known.
         self.step_length = self._chosen_length = settings.step or 1 / 60
         self.steps = 0
         self.time = 0.0
