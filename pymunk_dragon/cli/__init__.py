@@ -49,8 +49,19 @@ COMMANDS = {
 }
 # Environment variable by which a shell requests completions, as Click names it.
 _COMPLETE_VARIABLE = "_PYMUNK_DRAGON_COMPLETE"
-# Exit codes.
-_DONE, _FAILED, _BAD_INPUT, _INTERRUPTED = 0, 1, 2, 130
+# Exit codes: those of Click, and that of a shell for a program that Ctrl-C ended.
+_DONE = 0
+_FAILED = 1
+_BAD_INPUT = 2
+_INTERRUPTED = 130
+# Examples in the help of the program.
+_EXAMPLES = (
+    "demo spiral",
+    "contact",
+    "simulate --from 400 -o run.npz",
+    "render run.npz",
+    "report run.npz",
+)
 # Errors of the user's input, or of the installation; others of the package are failures.
 _INPUT_ERRORS = (
     errors.ParameterError,
@@ -88,15 +99,7 @@ class _LazyGroup(click.Group):
     cls=_LazyGroup,
     commands={name: click.Command(name, short_help=summary) for name, summary in COMMANDS.items()},
     context_settings={"help_option_names": ["-h", "--help"]},
-    epilog=epilog_of(
-        (
-            "demo spiral",
-            "contact",
-            "simulate --from 400 -o run.npz",
-            "render run.npz",
-            "report run.npz",
-        )
-    ),
+    epilog=epilog_of(_EXAMPLES),
 )
 @click.version_option(__version__, "-V", "--version", prog_name=PROGRAM)
 def cli() -> None:
@@ -104,7 +107,7 @@ def cli() -> None:
 
 
 def status(arguments: list[str] | None = None) -> int:
-    """Run the program and return its exit code: 0 done, 1 failed while running, 2 bad input, 130 interrupted."""
+    """Run the program, print its errors, and return its exit code."""
     _open_streams()
     try:
         return _run(sys.argv[1:] if arguments is None else arguments)
@@ -113,9 +116,8 @@ def status(arguments: list[str] | None = None) -> int:
     except KeyboardInterrupt as error:
         return _print_error("interrupted", _INTERRUPTED, error)
     except errors.DragonError as error:
-        return _print_error(
-            str(error), _BAD_INPUT if isinstance(error, _INPUT_ERRORS) else _FAILED, error
-        )
+        code = _BAD_INPUT if isinstance(error, _INPUT_ERRORS) else _FAILED
+        return _print_error(str(error), code, error)
     except BrokenPipeError:
         # The reader of stdout has closed it, as `head` does.
         return _drop_output()
@@ -145,18 +147,18 @@ def _run(arguments: list[str]) -> int:
 
 
 def _open_streams() -> None:
-    """Replace missing standard streams by the null device, and have stdout escape what it cannot encode."""
+    """Replace missing standard streams by the null device; stdout escapes what it cannot encode."""
+    # stdout is opened for reading, so that writing to it still fails; errors on stderr are ignored.
     for name, mode in (("stdout", "r"), ("stderr", "w")):
         if getattr(sys, name) is None:
-            # stdout is opened for reading, so that writing to it still fails; errors on stderr are
-            # ignored.
-            setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115  # Open until the end.
+            stream = open(os.devnull, mode, encoding="utf-8")  # noqa: SIM115  # Open until the end.
+            setattr(sys, name, stream)
     if isinstance(sys.stdout, TextIOWrapper) and sys.stdout.errors == "strict":
         sys.stdout.reconfigure(errors="backslashreplace")
 
 
 def _drop_output() -> int:
-    """Discard what stdout could not write, or Python would report it again when it flushes at exit."""
+    """Discard what stdout could not write: Python would report it again at exit."""
     with suppress(OSError):  # A test may have replaced the stream.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     return _FAILED
@@ -164,9 +166,7 @@ def _drop_output() -> int:
 
 def _print_error(message: str, code: int, error: BaseException | None = None) -> int:
     """Print a message and the notes of an error in one line, and return the exit code."""
+    parts = [message, *getattr(error, "__notes__", ())]
     with suppress(OSError):
-        click.echo(
-            f"{PROGRAM}: {errors.one_line('; '.join([message, *getattr(error, '__notes__', ())]))}",
-            err=True,
-        )
+        click.echo(f"{PROGRAM}: {errors.one_line('; '.join(parts))}", err=True)
     return code

@@ -44,7 +44,8 @@ def contact(method: str, output: str | None, **choices: Any) -> None:
         raise click.UsageError("--step is of the grid: add --method grid")
     march = chosen_march()
     path = destination_of(output, (".json", ".xlsx"))
-    values, shown = (_simulated if method == "engine" else _searched)(march, method, **settings)
+    answer = _simulated if method == "engine" else _searched
+    values, shown = answer(march, method, **settings)
     result = {"status": values["status"], "method": method} | values
     write_result(path, result, lambda path: _write_sheet(path, march, result))
     print_result(result, shown)
@@ -65,18 +66,18 @@ def _simulated(march: March, method: str, **interval: Any) -> tuple[dict[str, An
     from pymunk_dragon.cli.simulate import simulate_with_progress
 
     run = simulate_with_progress(march, **interval)
-    touch = {
-        name: getattr(run.first_contact, name, None)
-        for name in ("time", "benches", "point", "normal")
-    }
+    names = ("time", "benches", "point", "normal")
+    touch = {name: getattr(run.first_contact, name, None) for name in names}
     values = {
         "status": run.outcome,
         **touch,
         "near_misses": None,
         "until": float(run.times[-1]),
         "resolution": None,
+        "samples": run.substeps,
+        "tests": None,
     }
-    return values | {"samples": run.substeps, "tests": None}, str(run).partition("\n")[0]
+    return values, str(run).partition("\n")[0]
 
 
 def _write_sheet(path: Path, march: March, result: dict[str, Any]) -> None:
@@ -84,7 +85,6 @@ def _write_sheet(path: Path, march: March, result: dict[str, Any]) -> None:
     from pymunk_dragon.reports import write_contact_table
 
     if result["time"] is None:
-        raise DragonError(
-            f"no contact until t = {result['until']:.6g} s, so {path} was not written"
-        )
+        until = result["until"]
+        raise DragonError(f"no contact until t = {until:.6g} s, so {path} was not written")
     write_contact_table(march, result["time"], path)

@@ -52,7 +52,8 @@ def demo(
             write_lessons(lessons, destination, language=language(), progress=show)
         print_file_result(destination)
     elif name is None:
-        print_list("lessons", {each.name: each.sections(language())["Title"] for each in lessons})
+        titles = {each.name: each.sections(language())["Title"] for each in lessons}
+        print_list("lessons", titles)
     elif wants_json():
         print_result({"printed": record(LESSONS[name]).printed})
     else:
@@ -62,10 +63,12 @@ def demo(
 def _refuse_combinations(name: str | None, flags: set[str]) -> None:
     """Raise a usage error for flags that exclude each other, or are for another way to play."""
     if "--save" in flags and (name is None or flags & {"-o", "--live", "--json"}):
-        raise click.UsageError(
-            "--save is for a lesson that is played: give its name, and no -o, --live or --json"
-        )
-    if flags >= {"-o", "--live"} or ("--live" not in flags and flags - {"-o", "--save", "--json"}):
+        bound = "give its name, and no -o, --live or --json"
+        raise click.UsageError(f"--save is for a lesson that is played: {bound}")
+    # What remains are the options of a server.
+    of_server = flags - {"-o", "--save", "--json", "--live"}
+    is_live = "--live" in flags
+    if (is_live and "-o" in flags) or (of_server and not is_live):
         raise click.UsageError("--live needs no -o, and the options of a server need --live")
 
 
@@ -78,11 +81,9 @@ def _serve(lessons: list[Lesson], address: dict[str, Any]) -> None:
 
     with progress("demo") as show:
         page = run_page(lessons, language(), show, live=True)
-    for each in [each for each in lessons if each.builds_scene]:
-        add(**each.scene())
-    session = Session(
-        named_scene(
-            next((each.options["scene"] for each in lessons if "scene" in each.options), "dragon")
-        )
-    )
+    for each in lessons:
+        if each.builds_scene:
+            add(**each.scene())
+    scenes = [each.options["scene"] for each in lessons if "scene" in each.options]
+    session = Session(named_scene(scenes[0] if scenes else "dragon"))
     serve(session, None, None, front=page, **address)

@@ -53,25 +53,30 @@ def live(
     """Play the dragon in real time, and touch it in a browser. A scene has its own dragon."""
     own = flags_given("scenario", *option_values(), "start")
     if sum(map(bool, (scene, own, replay))) > 1:
-        raise click.UsageError(
-            "a built-in scene and a recording have their own dragon: leave out the other options"
-        )
+        rule = "a built-in scene and a recording have their own dragon"
+        raise click.UsageError(f"{rule}: leave out the other options")
     if ends and replay is None:
         raise click.UsageError("--exit ends a replay: give a recording with --replay")
     if not ends:
         library("aiohttp")
+
     path = destination_of(output, [".json"])
     log = None if replay is None else load_log(replay)
     if log is not None:
         source = recorded_scene(log["plan"])
+    elif own:
+        source = march_scene(chosen_march(), start=start)
     else:
-        source = march_scene(chosen_march(), start=start) if own else named_scene(scene or "dragon")
+        source = named_scene(scene or "dragon")
     session = Session(source, log=log)
-    (_replay_at_once if ends else serve)(session, log, path, **address)
+    if ends:
+        _replay_at_once(session, log, path)
+    else:
+        serve(session, log, path, **address)
 
 
 def serve(session: Session, log: Log | None, path: Path | None, **address: Any) -> None:
-    """Show a session on a page until it ends, and write what was recorded, also where it was interrupted."""
+    """Show a session on a page until it ends or is interrupted, and write what was recorded."""
     running = Live(session, **address)
     try:
         if address["host"] not in ("127.0.0.1", "localhost", "::1"):
@@ -82,6 +87,7 @@ def serve(session: Session, log: Log | None, path: Path | None, **address: Any) 
         click.echo(text("control: {address}").format(address=running.address))
         click.echo(text("watch:   {address}").format(address=running.watch_address))
         _wait_for_replay(session, log)
+        # Until Ctrl-C.
         while True:
             sleep(1)
     finally:
@@ -90,7 +96,7 @@ def serve(session: Session, log: Log | None, path: Path | None, **address: Any) 
             write_result(path, session.log())
 
 
-def _replay_at_once(session: Session, log: Log | None, path: Path | None, **_: Any) -> None:
+def _replay_at_once(session: Session, log: Log | None, path: Path | None) -> None:
     """Play a recording again as fast as possible."""
     session.clock.speed = math.inf
     session.start()
@@ -103,9 +109,16 @@ def _replay_at_once(session: Session, log: Log | None, path: Path | None, **_: A
 
 
 def _wait_for_replay(session: Session, log: Log | None) -> None:
-    """Wait for the end of a replay, and compare it with the recording: processors and libraries round differently."""
-    if log is None or (difference := session.wait_for_replay()) is None:
+    """Wait for the end of a replay, and compare it with the recording.
+
+    Processors and libraries round differently.
+    """
+    difference = session.wait_for_replay()
+    if log is None or difference is None:
         return
-    equal = text("replay:  {steps} steps, equal to the recording to the bit")
-    other = text("replay:  {steps} steps, poses within {difference:.1e} m and rad of the recording")
-    click.echo((other if difference else equal).format(steps=log["steps"], difference=difference))
+    found = text("replay:  {steps} steps, equal to the recording to the bit")
+    if difference != 0:
+        found = text(
+            "replay:  {steps} steps, poses within {difference:.1e} m and rad of the recording"
+        )
+    click.echo(found.format(steps=log["steps"], difference=difference))

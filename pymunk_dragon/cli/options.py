@@ -50,9 +50,9 @@ SCENARIO_OPTIONS: dict[str, tuple[Any, str, str]] = {
 
 
 class _Command(click.Command):
-    """A command with the option --lang, whose errors name flags instead of the parameters that get their values.
+    """A command with the option --lang, whose errors name flags in place of parameters.
 
-    Its help has the options of a scenario last, and below them `examples`: arguments of the
+    The help has the options of a scenario last, and below them `examples`: arguments of the
     command.
     """
 
@@ -63,10 +63,9 @@ class _Command(click.Command):
         self.params = sorted([*self.params, _LANGUAGE], key=lambda option: not option.expose_value)
 
     def invoke(self, ctx: click.Context) -> Any:
-        """Run the command; it does not get the values of --json and --scenario, which `wants_json` and others use."""
-        ctx.meta["json"], ctx.meta["file"] = (
-            ctx.params.pop(name, None) for name in ("json", "scenario")
-        )
+        """Run the command without the values of --json and --scenario, which others use."""
+        ctx.meta["json"] = ctx.params.pop("json", None)
+        ctx.meta["file"] = ctx.params.pop("scenario", None)
         try:
             return super().invoke(ctx)
         except ParameterError as error:
@@ -83,43 +82,52 @@ def command(*examples: str) -> Callable[[Callable[..., Any]], click.Command]:
 
 def epilog_of(examples: Sequence[str]) -> str:
     """The end of a help: examples, each a command with its arguments."""
-    return "\n".join(
-        ["\b", "Examples:", *(f"  {PROGRAM} {example}".rstrip() for example in examples)]
-    )
+    lines = [f"  {PROGRAM} {example}".rstrip() for example in examples]
+    return "\n".join(["\b", "Examples:", *lines])
 
 
 def flags_given(*names: str) -> list[str]:
     """Flags of those of the options `names` that were given on the command line."""
-    context, given = click.get_current_context(), click.core.ParameterSource.COMMANDLINE
-    options = [option for option in context.command.params if option.name in names]
+    context = click.get_current_context()
     return [
         option.opts[0]
-        for option in options
-        if context.get_parameter_source(str(option.name)) is given
+        for option in context.command.params
+        if option.name in names and _is_given(context, option)
     ]
 
 
+def _is_given(context: click.Context, option: click.Parameter) -> bool:
+    """Whether the value of an option is from the command line, and not from the environment."""
+    source = context.get_parameter_source(str(option.name))
+    return source is click.core.ParameterSource.COMMANDLINE
+
+
 def _source_of(error: ParameterError) -> str:
-    """Where the refused value of a parameter comes from: a flag, an argument, or a scenario file."""
+    """Where a refused value comes from: a flag, an argument, or a scenario file."""
     from pymunk_dragon.model.scenario import parameters
 
     name = error.name.removeprefix("curve.")
-    if given := flags_given(name):
-        return given[0]
+    for flag in flags_given(name):
+        return flag
+
     context = click.get_current_context()
     file = context.meta["file"]
-    with suppress(ParameterError):  # Of a table in the file that is none.
+    with suppress(ParameterError):  # The file may have a value where a table has to be.
         if name in file_values():
             return f"{error.name} in {file}"
+
+    # A default, or a value without an option.
     for each in context.command.params:
         if each.name == name:
             return each.opts[0]
         if isinstance(each, click.Argument) and str(each.name).startswith(name):
             return str(each.metavar).strip("[].")
+
     # The function that refuses the value may have another name for it.
     values = context.params | option_values()
     for flag in flags_given(*(each for each in values if values[each] == error.value)):
         return flag
+
     if file is not None:
         return f"{error.name} in {file}"
     of_scenario = error.value is None or name in parameters()
@@ -158,7 +166,7 @@ def _set_language(context: click.Context, option: click.Parameter, value: str) -
     try:
         context.with_resource(in_language(value))
     except ParameterError as error:
-        if context.get_parameter_source(str(option.name)) is click.core.ParameterSource.COMMANDLINE:
+        if _is_given(context, option):
             raise ParameterError(option.opts[0], error.value, error.bound) from error
         raise
 
@@ -183,23 +191,29 @@ until_option = click.option(
 
 def output_option(endings: str, default: str | None = None) -> Callable[[F], F]:
     """The options --json and -o; the ending of its file chooses the format."""
-    about = f"File to write: {endings}." + (f"  [{default}]" if default else "")
+    about = f"File to write: {endings}."
+    if default is not None:
+        about += f"  [{default}]"
     output = click.option("-o", "--output", metavar="FILE", type=click.Path(), help=about)
     return option_group(json_option, output)
 
 
 def scenario_options(function: F) -> F:
-    """Add the options of a scenario to a command, for `file_values`, `option_values` and `chosen_march`."""
+    """Add the options of a scenario to a command.
+
+    `file_values`, `option_values` and `chosen_march` return what they choose.
+    """
 
     def collect(context: click.Context, option: click.Parameter, value: Any) -> None:
         if value is not None:
             context.meta.setdefault("scenario", {})[option.name] = value
 
     hidden: dict[str, Any] = {"callback": collect, "expose_value": False}
-    for name, (kind, metavar, about) in reversed((SCENARIO_OPTIONS | _curve_options()).items()):
-        click.option(
-            "--" + name.replace("_", "-"), type=kind, metavar=metavar, help=about, **hidden
-        )(function)
+    options = SCENARIO_OPTIONS | _curve_options()
+    # Click lists first the option that is added last.
+    for name, (kind, metavar, about) in reversed(options.items()):
+        flag = "--" + name.replace("_", "-")
+        click.option(flag, type=kind, metavar=metavar, help=about, **hidden)(function)
     about = "Read the dragon, curve and speed from a file; options win."
     return click.option("--scenario", metavar="FILE.toml", type=click.Path(), help=about)(function)
 
@@ -212,11 +226,16 @@ def _curve_options() -> dict[str, tuple[Any, str, str]]:
     default, *others = named_curves()
     about = f"{', '.join([default, *others])}, or a file with points x,y of a path, m.  [{default}]"
     options: dict[str, tuple[Any, str, str]] = {"curve": (str, "NAME|FILE.csv", about)}
-    for kind in dict.fromkeys((default, *Curve.kinds)):
-        for flag, (metavar, about) in Curve.kinds[kind].flags.items():
-            value = getattr(Curve.kinds[kind], flag, None)
-            shown = f"  [{value:g} of a {kind}]" if value else ""
-            options[flag] = (float, metavar, options.get(flag, ("", "", about))[2] + shown)
+    for name in dict.fromkeys((default, *Curve.kinds)):
+        kind = Curve.kinds[name]
+        for flag, (metavar, about) in kind.flags.items():
+            # Curves that share an option share its help, behind which stand the defaults of each.
+            if flag in options:
+                about = options[flag][2]
+            value = getattr(kind, flag, None)
+            if value:
+                about += f"  [{value:g} of a {name}]"
+            options[flag] = (float, metavar, about)
     return options
 
 
@@ -245,19 +264,21 @@ def load_run(run_file: str) -> Run:
     from pymunk_dragon.model.run import Run
 
     if option_values() or flags_given("scenario"):
-        raise click.UsageError(
-            "a run file contains its scenario: leave out the options of the dragon and its curve"
-        )
+        rest = "leave out the options of the dragon and its curve"
+        raise click.UsageError(f"a run file contains its scenario: {rest}")
     return Run.load(run_file)
 
 
 def number_list(name: str, given: str) -> list[float]:
-    """Numbers from `0,60,120` or `0:300:1`, both ends included, or a mixture; `name` is that of the parameter."""
+    """Numbers from `0,60,120` or `0:300:1`, both ends included, or a mixture.
+
+    Errors name the parameter `name`.
+    """
     numbers: list[float] = []
     try:
         for part in given.split(","):
-            # Decimal numbers, as they are written: the second after 0.2 in steps of 0.1 is 0.4 and
-            # not 0.4 + 6e-17.
+            # Decimal numbers are exact: the second after 0.2 in steps of 0.1 is 0.4, and not
+            # 0.4 + 6e-17.
             first, *others = map(Decimal, part.split(":"))
             last, step = others or (first, Decimal(1))
             steps = (last - first) / step
@@ -265,6 +286,7 @@ def number_list(name: str, given: str) -> list[float]:
                 raise ValueError
             numbers += [float(first + step * i) for i in range(int(steps) + 1)]
     except (ValueError, ArithmeticError):
-        bound = f"numbers such as 0,60,120 or first:last:step such as 0:300:1, of which there are at most {_MAX_LIST}"
+        forms = "numbers such as 0,60,120 or first:last:step such as 0:300:1"
+        bound = f"{forms}, of which there are at most {_MAX_LIST}"
         raise ParameterError(name, given, bound) from None
     return numbers

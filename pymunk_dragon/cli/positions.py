@@ -50,35 +50,32 @@ def positions(times: str, handles: str | None, paper: bool, output: str | None) 
     if not paper:
         _answer(march, times, handles, output)
     elif flags_given("times", "handles", "json", "output"):
-        raise click.UsageError(
-            "--paper prints all of its tables: leave out --times, --handles, --json and -o"
-        )
+        rest = "leave out --times, --handles, --json and -o"
+        raise click.UsageError(f"--paper prints all of its tables: {rest}")
     else:
         from pymunk_dragon.collision import first_contact
         from pymunk_dragon.reports import paper_tables
 
-        # On a curve without end there is no last time for the search.
+        # A curve without end has no last time for the search.
         hit = first_contact(march).contact if isfinite(march.end) else None
         click.echo(paper_tables(march, None if hit is None else hit.time))
 
 
 def _answer(march: March, times: str, handles: str | None, output: str | None) -> None:
     """Print or write states of handles."""
-    selected = (
-        march.dragon.representatives
-        if handles is None
-        else _handles(handles, march.dragon.handles - 1)
-    )
+    selected = march.dragon.representatives
+    count = march.dragon.handles
+    if handles is not None:
+        selected = _handles(handles, count - 1)
     at = number_list("times", times)
-    if len(at) * march.dragon.handles > _MAX_TABLE:
-        raise ParameterError(
-            "times", times, f"at most {_MAX_TABLE // march.dragon.handles} for this dragon"
-        )
+    if len(at) * count > _MAX_TABLE:
+        raise ParameterError("times", times, f"at most {_MAX_TABLE // count} for this dragon")
+
     path = destination_of(output, (".csv", ".json", ".xlsx"))
     if handles is not None and path is not None and path.suffix.lower() == ".xlsx":
-        raise click.UsageError(
-            "the contest's sheets have all handles: leave out --handles, or write .csv or .json"
-        )
+        rest = "leave out --handles, or write .csv or .json"
+        raise click.UsageError(f"the contest's sheets have all handles: {rest}")
+
     states = march.at(at)
     result = states.to_dict(selected)
     write_result(path, result, lambda path: _write(path, march, at, states.rows(selected)))
@@ -93,8 +90,9 @@ def _write(path: Path, march: March, times: list[float], rows: Iterable[Sequence
 
         write_tables(march, times, path)
     else:
+        head = ("time_s", "handle", "x_m", "y_m", "speed_m_s")
         with written_in_place(path) as draft, draft.open("w", newline="", encoding="utf-8") as file:
-            csv.writer(file).writerows([("time_s", "handle", "x_m", "y_m", "speed_m_s"), *rows])
+            csv.writer(file).writerows([head, *rows])
 
 
 def _handles(given: str, last: int) -> list[int]:

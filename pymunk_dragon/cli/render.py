@@ -31,7 +31,10 @@ _OVERLAYS = {name.replace("-", "_"): name for name in OVERLAYS}
 # Options that only films have, and those that only films and pictures have.
 _OF_FILMS = ("start", "speedup", "fps", "hold")
 _OF_PICTURES = ("exact", "size", "follow", "span", "caption", "legend", *_OVERLAYS)
-_FORMATS = f"a film, {', '.join(FILM_ENDINGS)}; .png, a picture at --until; or .html, a page that plays the run"
+_FORMATS = (
+    f"a film, {', '.join(FILM_ENDINGS)}; .png, a picture at --until; or .html, a page that plays"
+    " the run"
+)
 
 
 def _pixels(given: str) -> int | tuple[int, ...]:
@@ -39,9 +42,8 @@ def _pixels(given: str) -> int | tuple[int, ...]:
     try:
         width, *height = map(int, given.lower().split("x"))
     except ValueError:
-        raise click.BadParameter(
-            f"{given!r} is neither a size as 640x360 nor a width as 480"
-        ) from None
+        message = f"{given!r} is neither a size as 640x360 nor a width as 480"
+        raise click.BadParameter(message) from None
     return (width, *height) if height else width
 
 
@@ -98,9 +100,8 @@ def render(run_files: tuple[str, ...], output: str | None, exact: bool, **choice
     format.
     """
     name = Path(run_files[0]).stem if run_files else "march"
-    path = check_destination(
-        output or f"{name}.gif", (*FILM_ENDINGS, *STILL_ENDINGS, *PLAYER_ENDINGS)
-    )
+    endings = (*FILM_ENDINGS, *STILL_ENDINGS, *PLAYER_ENDINGS)
+    path = check_destination(output or f"{name}.gif", endings)
     sources = _sources(run_files, exact)
     if path.suffix.lower() in PLAYER_ENDINGS:
         _write_page(sources, path, choices["title"])
@@ -116,6 +117,7 @@ def _write_film(sources: list[Run | March], path: Path, choices: dict[str, Any])
     overlays = tuple(name for value, name in _OVERLAYS.items() if choices.pop(value))
     camera = Camera(follow=choices.pop("follow"), span=choices.pop("span"))
     given = {name: value for name, value in choices.items() if value is not None}
+
     with progress("render") as show:
         film = Film(camera=camera, show=overlays, **given)
         try:
@@ -124,6 +126,7 @@ def _write_film(sources: list[Run | March], path: Path, choices: dict[str, Any])
             if error.name == "show":
                 raise click.UsageError(f"--{error.value} must be {error.bound}") from error
             raise
+
     if timing.is_cropped and timing.size is not None:
         width, height = timing.size
         size = text(
@@ -142,7 +145,7 @@ def _write_page(sources: list[Run | March], path: Path, title: str | None) -> No
 
 
 def _sources(run_files: tuple[str, ...], exact: bool) -> list[Run | March]:
-    """Return the runs, and with --exact the march of the first one; without runs, the march of the scenario."""
+    """The runs, with --exact also the march of the first; without runs, the scenario's march."""
     if not run_files:
         if exact:
             raise click.UsageError("--exact needs a run: name one, or leave it out")

@@ -33,7 +33,8 @@ def _options() -> Iterator[Callable[[F], F]]:
     """The options of single studies."""
     for study in STUDIES.values():
         for name, (metavar, words) in study.flags.items():
-            kind, flag = type(signature(study.run).parameters[name].default), name.replace("_", "-")
+            kind = type(signature(study.run).parameters[name].default)
+            flag = name.replace("_", "-")
             flags = f"--{flag}/--no-{flag}" if kind is bool else f"--{flag}"
             about = f"Options of {study.name}: {words[:1].upper()}{words[1:]}"
             yield click.option(flags, name, type=kind, metavar=metavar, default=None, help=about)
@@ -65,7 +66,7 @@ def study(name: str | None, output: str | None, **options: float | bool | None) 
 
 
 def _values(name: str, options: dict[str, Any]) -> dict[str, Any]:
-    """The values of a study's parameters that a scenario file has, and those of options, which win."""
+    """Values of a study's parameters: those of a scenario file, and of options, which win."""
     values: dict[str, Any] = {}
     if in_file := file_values():
         # The whole file is checked, also the values that the study does not take.

@@ -55,9 +55,9 @@ def sweep(axis: tuple[str, ...], output: tuple[str, ...], **settings: Any) -> No
     FILE.partial, from which --resume goes on. The other options choose the reference dragon, which
     a picture marks.
     """
-    # What Dask logs of a lost scheduler; the error is one line.
+    # Dask would log a lost scheduler, beside the error, which is one line.
     logging.disable()
-    # A module of the user's, which other programs would find as well.
+    # The quantity may be in a module of the user's in this folder.
     sys.path.append(os.getcwd())
     # What a quantity prints is not part of a table on stdout.
     with progress("sweep") as show, redirect_stdout(sys.stderr):
@@ -67,9 +67,8 @@ def sweep(axis: tuple[str, ...], output: tuple[str, ...], **settings: Any) -> No
         print_written(Path(file))
     print_result(found.to_dict(), found if output else "\n".join(found.csv()))
     if found.failed:
-        raise DragonError(
-            f"{found.failed} of {found.points} points failed; the column error has the reasons"
-        )
+        count = f"{found.failed} of {found.points} points failed"
+        raise DragonError(f"{count}; the column error has the reasons")
 
 
 def _axes(given: tuple[str, ...]) -> dict[str, list[float]]:
@@ -77,8 +76,9 @@ def _axes(given: tuple[str, ...]) -> dict[str, list[float]]:
     axes: dict[str, list[float]] = {}
     for each in given:
         name, _, values = each.partition("=")
+        name = name.strip().replace("-", "_")
         try:
-            axes.setdefault(name.strip().replace("-", "_"), []).extend(number_list("axis", values))
+            axes.setdefault(name, []).extend(number_list("axis", values))
         except ParameterError as error:
             raise ParameterError("axis", each, _AXIS) from error
     return axes

@@ -24,7 +24,7 @@ class Client:
     controls = True
 
     def take(self, text: str) -> None:
-        """Take a text of the page, which gets an answer if the text is no message that it may send."""
+        """Take a text of the page; an answer follows if it is no message that the page may send."""
         try:
             message = read_message(json.loads(text))
             if isinstance(message, Ping):
@@ -56,7 +56,10 @@ class Client:
 
 
 class Clients:
-    """The clients of a session, and what those that join are sent first. It has a lock of its own."""
+    """The clients of a session, and what those that join are sent first.
+
+    There is a lock of its own.
+    """
 
     def __init__(self) -> None:
         # Replaced and not changed, so that it may be read without the lock.
@@ -73,7 +76,10 @@ class Clients:
         return len(self._all)
 
     def join(self, client: Client) -> None:
-        """Send a client all messages from now on: first the scene, and the error by which the session is paused."""
+        """Send a client all messages from now on.
+
+        First come the scene, and the error by which the session is paused.
+        """
         with self._lock:
             self._all = (*self._all, client)
             self._state = None
@@ -98,7 +104,7 @@ class Clients:
         self.tell({"kind": "building"})
 
     def tell_scene(self, description: dict[str, Any] | None = None) -> None:
-        """Send what describes the scene, also to those that join later; by default the scene of before."""
+        """Send what describes the scene, also to those that join later; by default, again."""
         self._description = description or self._description
         self.tell(self._description)
 

@@ -1,25 +1,24 @@
-"""When a step, a picture and values of charts of a session are due, and how many events a second are sent."""
+"""When steps, pictures and values of charts are due, and how many events a second are sent."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from time import perf_counter
 
-# s between two pictures, at least.
+# Least time between two pictures, s.
 _FRAME_TIME = 1 / 60
-# s between two values of a chart.
+# Time between two values of a chart, s.
 _PLOT_TIME = 0.1
-# s of steps that a slow computer makes up for, at most.
+# Most time of steps that a slow computer makes up for, s.
 _MAX_DEBT = 0.1
-# Events of a second that clients get: more cannot be read.
+# Events that clients get in a second: more cannot be read.
 _MAX_EVENTS = 20
 
 
 class Clock:
     """Times at which steps and pictures are due; `read` returns the present time, s."""
 
-    def __init__(self, read: Callable[[], float] = perf_counter, *, running: bool = True) -> None:
+    def __init__(self, read: Callable[[], float], *, running: bool) -> None:
         self.read = read
         self.running = running
         # Simulated time over real time.
@@ -46,7 +45,10 @@ class Clock:
         self.single_steps = count
 
     def step_is_due(self, now: float) -> bool:
-        """Whether a step is due. Time while the clock did not run, and a large debt, are not made up for."""
+        """Whether a step is due.
+
+        Time while the clock did not run, and a large debt, are not made up for.
+        """
         if not self.running:
             self._step_due = now
             return self.single_steps > 0
@@ -55,7 +57,7 @@ class Clock:
         return now >= self._step_due or self.single_steps > 0
 
     def frame_is_due(self, now: float, *, before_step: bool) -> bool:
-        """Whether a picture is due. A step that is due comes before it, until the picture is late by one."""
+        """Whether a picture is due: a step comes before it, until it is late by one picture."""
         return now >= self._frame_due + (_FRAME_TIME if before_step else 0.0)
 
     def plot_is_due(self, now: float) -> bool:
@@ -75,7 +77,7 @@ class Clock:
         self._frame_due = max(self._frame_due + _FRAME_TIME, self.read())
 
     def wait(self, *, with_frames: bool) -> float:
-        """Return the time until a step or, with clients, a picture is due, s."""
+        """The time until a step or, with clients, a picture is due, s."""
         if self.single_steps > 0:
             return 0.0
         step_due = self._step_due if self.running else math.inf
@@ -91,7 +93,10 @@ class EventLimit:
         self._count = 0
 
     def passed(self, texts: list[str], now: float) -> list[str]:
-        """Return the texts of events to send; the first ones of a second follow the number of those left out before."""
+        """The texts of events to send.
+
+        The first ones of a second follow the number of those that were left out before.
+        """
         # The catalogue of translations has the names of fields, here {i}.
         i = self._count - _MAX_EVENTS
         if now - self._second >= 1:

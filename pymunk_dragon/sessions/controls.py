@@ -24,7 +24,7 @@ _KEY_NAMES = {
     "Alt": "LALT",
     "Meta": "LMETA",
 }
-_MODIFIERS = "LSHIFT", "LCTRL", "LALT", "LMETA"
+_MODIFIERS = ("LSHIFT", "LCTRL", "LALT", "LMETA")
 
 
 @dataclass(frozen=True)
@@ -33,17 +33,29 @@ class Slider:
 
     Parameters
     ----------
-    name, low, high, value : str, float, float, float, optional
-        Name, range, and value at the start, by default that of the argument of this name, or of the
-        space.
-    rebuilds, action : bool, callable, optional
-        Whether a change builds the space again, with the value as the argument `name` of the
-        function; otherwise ``action(space, value)`` is called, or "step", ms, "gravity", "damping"
-        or "iterations" is set. The lengths of steps approach a new "step" by 1 % each, so that the
-        change does not jolt the joints.
-    label, unit, logarithmic, whole : str, str, bool, bool
-        Text on the page in place of the name, unit, kind of the scale, and whether values are whole
-        numbers.
+    name : str
+        Name of an argument of the function that builds the space; or "step", "gravity", "damping"
+        or "iterations", a property of the space; or any name of a slider with an action.
+    low : float
+        Lowest value.
+    high : float
+        Highest value.
+    value : float, optional
+        Value at the start. By default, that of the argument or the property of this name.
+    rebuilds : bool
+        Whether a change builds the space again, with the value as the argument `name`. Otherwise
+        `action` is called or, without one, the property is set. The "step", in ms, changes by 1 % a
+        step until it has the new value, so that the joints are not jolted.
+    action : callable, optional
+        Called as ``action(space, value)`` at each change.
+    label : str
+        Text on the page. By default, the name.
+    unit : str
+        Unit of the values, which the page shows behind them.
+    logarithmic : bool
+        Whether the scale is logarithmic.
+    whole : bool
+        Whether values are whole numbers.
 
     Examples
     --------
@@ -82,7 +94,7 @@ class Slider:
                 raise ParameterError("value", self.value, "a whole number")
 
     def checked(self, value: object) -> float:
-        """Return the value, if it is in the range, and whole if it has to be."""
+        """The value, if it is in the range, and whole if it has to be."""
         number = finite(self.name, value, self.low, self.high, self.unit)
         if self.whole and not number.is_integer():
             raise ParameterError(self.name, value, "a whole number")
@@ -90,19 +102,26 @@ class Slider:
 
 
 def slider_around(name: str, low: float, high: float, value: float, **options: Any) -> Slider:
-    """Return a slider whose range also has its value, as that of a space may lie anywhere."""
+    """A slider whose range is wide enough for its value, which a space may have anywhere."""
     return Slider(name, min(low, value), max(high, value), value, **options)
 
 
 @dataclass(frozen=True)
 class Button:
-    """A button with a text that calls ``action(space)``.
+    """A button with a text that calls a function.
+
+    Parameters
+    ----------
+    name : str
+        Text of the button.
+    action : callable
+        Called as ``action(space)`` when the button is pressed.
 
     Examples
     --------
     >>> from pymunk_dragon import Button
-    >>> Button("Stop all", lambda space: [setattr(body, "velocity", (0, 0)) for body in space.bodies]).name
-    'Stop all'
+    >>> Button("Float", lambda space: setattr(space, "gravity", (0, 0))).name
+    'Float'
     """
 
     name: str
@@ -115,9 +134,16 @@ class Button:
 
 @dataclass(frozen=True)
 class Key(Button):
-    """A key that calls ``action(space)``, and ``up(space)`` when it is released; it does nothing else on the page.
+    """A key that calls a function, and does nothing else on the page.
 
-    Its name is that of `KeyboardEvent.key` in browsers, as "ArrowLeft", " " or "x".
+    Parameters
+    ----------
+    name : str
+        Name of the key, that of `KeyboardEvent.key` in browsers: "ArrowLeft", " " or "x".
+    action : callable
+        Called as ``action(space)`` when the key is pressed.
+    up : callable, optional
+        Called as ``up(space)`` when the key is released.
 
     Examples
     --------
@@ -152,11 +178,15 @@ class PygameEvents:
     def __init__(self) -> None:
         self._pygame = pygame = library("pygame")
         self._keys: defaultdict[int, bool] = defaultdict(bool)
-        self._place = self._place_before = (0, 0)
+        self._place = (0, 0)
+        # Position at the last call of `get_rel`.
+        self._place_before = (0, 0)
         # Left, middle and right; a mouse with five has two more, which the page does not send.
         self._buttons = [False] * 3
-        # Parts of notches, to the right and up, that are not posted yet.
-        self._right = self._up = 0.0
+        # Parts of notches that are not posted yet.
+        self._right = 0.0
+        self._up = 0.0
+
         pygame.key.get_pressed = lambda: self._keys
         pygame.key.get_mods = self._mods
         pygame.mouse.get_pos = lambda: self._place
@@ -183,10 +213,11 @@ class PygameEvents:
         self._post(kind, key=code, mod=self._mods(), unicode=text, scancode=0)
 
     def pointer(self, x: float, y: float, kind: str, button: int) -> None:
-        """Move the pointer to a pixel of the window; a button goes "down" or "up", or none: "move"."""
-        before, self._place = self._place, (round(x), round(y))
+        """Move the pointer to a pixel of the window; `kind` is "move", or what a button does."""
+        before = self._place
+        self._place = (round(x), round(y))
         if self._place != before:
-            moved = self._place[0] - before[0], self._place[1] - before[1]
+            moved = _difference(self._place, before)
             buttons = tuple(map(int, self._buttons))
             self._post("MOUSEMOTION", pos=self._place, rel=moved, buttons=buttons, touch=False)
         if kind != "move":
@@ -194,10 +225,11 @@ class PygameEvents:
             self._click(kind, button)
 
     def wheel(self, right: float, up: float) -> None:
-        """Turn the wheel by notches: as in pygame itself, whole ones, also as buttons 4 and 5."""
+        """Turn the wheel by notches; as in pygame, whole ones are posted, also as buttons."""
         self._right += right
         self._up += up
-        x, y = math.trunc(self._right), math.trunc(self._up)
+        x = math.trunc(self._right)
+        y = math.trunc(self._up)
         if x == y == 0:
             return
         for _ in range(abs(y)):
@@ -218,7 +250,7 @@ class PygameEvents:
             pygame.event.post(pygame.event.Event(getattr(pygame, kind), values))
 
     def _code(self, name: str) -> int | None:
-        """Return pygame's number of a key, which is that of the character if it has one."""
+        """The number of a key in pygame, which is that of the character if the key has one."""
         if len(name) == 1:
             return ord(name.lower()[0])
         name = _KEY_NAMES.get(name, name.removeprefix("Arrow").upper())
@@ -226,16 +258,21 @@ class PygameEvents:
         return code
 
     def _mods(self) -> int:
-        """Return the modifier keys that are down."""
+        """The modifier keys that are down."""
         pygame = self._pygame
         names = [name for name in _MODIFIERS if self._keys[getattr(pygame, f"K_{name}")]]
         return sum(getattr(pygame, f"KMOD_{name}") for name in names)
 
     def _moved(self) -> tuple[int, int]:
-        """Return how far the pointer has moved since the last call."""
-        before, self._place_before = self._place_before, self._place
-        return self._place[0] - before[0], self._place[1] - before[1]
+        """How far the pointer has moved since the last call."""
+        moved = _difference(self._place, self._place_before)
+        self._place_before = self._place
+        return moved
 
     def _pressed(self, num_buttons: int = 3, desktop: bool = False) -> tuple[bool, ...]:
-        """Return which buttons are down, of three or five."""
+        """Which buttons are down, of three or five."""
         return (*self._buttons, False, False)[:num_buttons]
+
+
+def _difference(place: tuple[int, int], before: tuple[int, int]) -> tuple[int, int]:
+    return place[0] - before[0], place[1] - before[1]

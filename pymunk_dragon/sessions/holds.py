@@ -1,4 +1,4 @@
-"""What clients hold: a body, keys, and buttons of the pointer. It is released when they leave."""
+"""What clients hold: a body, keys, and buttons of the pointer; released when the clients leave."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Holds:
         if thing is None or release is not None:
             return True
         holders = self._holders(thing)
-        return len(holders) < 2 or not _has(holders, client)
+        return len(holders) < 2 or client not in holders
 
     def note(self, client: object, message: Input) -> None:
         """Note what a message of a client takes hold of, or lets go of."""
@@ -42,14 +42,11 @@ class Holds:
         if thing is None:
             return
 
-        # There is one hand: a client that grabs another body takes it over.
-        shared = thing != _HAND and (release is not None or _has(self._holders(thing), client))
-        others = [each for each in self._all if each.thing != thing]
-        if shared:
-            others += [
-                each for each in self._all if each.thing == thing and each.client is not client
-            ]
-        self._all = others
+        # A client that releases a key or a button without holding it releases it for all. There is
+        # one hand: a client that grabs another body takes it over.
+        shared = thing != _HAND and (release is not None or client in self._holders(thing))
+        gone = [client] if shared else self._holders(thing)
+        self._all = [each for each in self._all if each.thing != thing or each.client not in gone]
         if release is not None:
             self._all.append(_Hold(client, thing, release))
 
@@ -69,12 +66,11 @@ class Holds:
                 each.release = replace(each.release, x=pointer.x, y=pointer.y)
 
 
-def _has(clients: list[object], client: object) -> bool:
-    return any(each is client for each in clients)
-
-
 def _taken(message: Input) -> tuple[_Thing | None, Input | None]:
-    """Return what a message takes or lets go, if it does; and the message that lets go if it takes."""
+    """What a message takes or lets go of, or None, and the message that lets go of what it takes.
+
+    The message is None if nothing is taken.
+    """
     match message:
         case Grab():
             return _HAND, Drop()

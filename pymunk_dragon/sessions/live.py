@@ -6,7 +6,7 @@ import sys
 import webbrowser
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import fields, replace
+from dataclasses import replace
 from functools import cached_property
 from html import escape
 from importlib.util import find_spec
@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import pymunk
 
-from pymunk_dragon._checks import finite, flag, function, instance, instances, label, whole
+from pymunk_dragon._checks import finite, flag, function, instance, instances, label
 from pymunk_dragon._extras import library
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March
@@ -26,9 +26,6 @@ from pymunk_dragon.sessions.session import MAX_STEP, Session
 
 if TYPE_CHECKING:
     from pymunk_dragon.sessions.server import Server
-
-# Ports have 16 bits.
-_MAX_PORT = 65_535
 
 
 class Live(AbstractContextManager["Live"]):
@@ -66,11 +63,12 @@ class Live(AbstractContextManager["Live"]):
         return self._server.watch_address
 
     def step(self, dt: float) -> None:
-        """Make a step of `dt` s, in place of ``space.step(dt)``, in a program that makes the steps itself.
+        """Make a step of `dt` s: call it in place of ``space.step(dt)``.
 
-        The program waits here until the step is due: in real time, or while the page has paused it.
-        An exception in a callback is raised here, and does not pause the session; one in a chart or
-        a control is shown on the page.
+        A program that makes the steps itself needs ``live(space, step=None)``. It waits here until
+        the step is due: in real time, or while the page has paused it. An exception in a callback
+        is raised here, and does not pause the session; one in a chart or a control is shown on the
+        page.
 
         In a notebook, show the session in an earlier cell, and run the loop when the page is there:
         ipykernel 7.4 takes the first message of a page only between cells.
@@ -84,22 +82,20 @@ class Live(AbstractContextManager["Live"]):
             self._server.stop()
 
     def paused(self) -> AbstractContextManager[bool]:
-        """Return a context in which the space is not stepped, so that a program may change it."""
+        """A context in which the space is not stepped, so that a program may change it."""
         return self._session.held
 
     def __exit__(self, *raised: object) -> None:
         self.stop()
 
     def _repr_mimebundle_(self, include: object = None, exclude: object = None) -> Any:
-        """Return the page: a widget or, without anywidget, a frame."""
+        """The page: a widget or, without anywidget, a frame."""
         if _has_widgets():
             from pymunk_dragon.sessions.widget import LiveWidget
 
             return LiveWidget(self._session).shown()
-        shape = 'width="100%" height="720" style="border: 0"'
-        return {
-            "text/html": f'<iframe src="{escape(self.address)}" title="A live session" {shape}></iframe>'
-        }
+        about = 'title="A live session" width="100%" height="720" style="border: 0"'
+        return {"text/html": f'<iframe src="{escape(self.address)}" {about}></iframe>'}
 
 
 def live(
@@ -118,7 +114,7 @@ def live(
     port: int = 0,
     allow_hosts: Sequence[str] = (),
 ) -> Live:
-    """Step a march or any Pymunk space in real time, and show it in a browser, where it can be touched.
+    """Step a march or any Pymunk space in real time, and show it in a browser to be touched.
 
     Give a function that builds the space: it is called at the start and at each reset, which then
     repeats the run to the bit. A space that is given gets back all that Pymunk lets a program
@@ -142,16 +138,27 @@ def live(
         Functions of the space whose values the page shows as charts, by their titles.
     events : list of str, optional
         List to which your functions append texts, which the page shows as events.
-    y_down, units, paused, browser : bool, str, bool, bool
-        Whether y points down, unit of length ("px"), whether to begin paused, and whether to open a
-        browser.
-    host, port, allow_hosts : str, int, sequence of str
-        Address to listen on; port, 0 for a free one; and names under which a proxy shows the page.
+    y_down : bool
+        Whether y points down.
+    units : str
+        Unit of length, "m" or "px".
+    paused : bool
+        Whether to begin paused.
+    browser : bool
+        Whether to open a browser.
+    host : str
+        Address to listen on.
+    port : int
+        Port to listen on; 0 is a free one.
+    allow_hosts : sequence of str
+        Names under which a proxy shows the page.
 
     Raises
     ------
-    ParameterError, MissingExtraError
-        If a parameter is unusable, or the port is taken; if aiohttp is not installed.
+    ParameterError
+        If a parameter is unusable, or the port is taken.
+    MissingExtraError
+        If aiohttp is not installed.
 
     Examples
     --------
@@ -170,31 +177,26 @@ def live(
     """
     if not label("host", host).isprintable():
         raise ParameterError("host", host, "a name or an address")
-    whole("port", port, 0, _MAX_PORT)
     if isinstance(allow_hosts, str):
         raise ParameterError("allow_hosts", allow_hosts, "a sequence of names")
     instances("allow_hosts", allow_hosts, str, "a sequence of names")
     flag("paused", paused)
     flag("browser", browser)
 
-    seen: Any = {
-        "plots": {} if plots is None else plots,
-        "events": events,
-        "y_down": y_down,
-        "units": units,
-    }
-    settings = PlaySettings(step=step, on_step=on_step, controls=controls, **seen)
+    settings = PlaySettings(
+        step=step,
+        on_step=on_step,
+        controls=controls,
+        plots={} if plots is None else plots,
+        events=events,
+        y_down=y_down,
+        units=units,
+    )
     _check_settings(settings)
     if what is None or isinstance(what, March | str):
         _check_unchanged(settings)
-    source = source_of(what, settings)
-    return Live(
-        Session(source, running=not paused),
-        browser=browser,
-        host=host,
-        port=port,
-        allow_hosts=allow_hosts,
-    )
+    session = Session(source_of(what, settings), running=not paused)
+    return Live(session, browser=browser, host=host, port=port, allow_hosts=allow_hosts)
 
 
 def _check_settings(settings: PlaySettings) -> None:
@@ -203,15 +205,11 @@ def _check_settings(settings: PlaySettings) -> None:
         finite("step", settings.step, 1e-6, MAX_STEP, "s")
     if settings.on_step is not None:
         function("on_step", settings.on_step)
-    instances(
-        "controls",
-        settings.controls,
-        Slider | Button | PygameEvents,
-        "a sequence of Slider, Button, Key and others",
-    )
-    for title, plot in instance(
-        "plots", settings.plots, Mapping, "a mapping of titles to functions"
-    ).items():
+    described = "a sequence of Slider, Button, Key and others"
+    instances("controls", settings.controls, Slider | Button | PygameEvents, described)
+
+    plots = instance("plots", settings.plots, Mapping, "a mapping of titles to functions")
+    for title, plot in plots.items():
         label("title of a plot", title)
         function(f"plots[{title!r}]", plot)
     if settings.events is not None:
@@ -223,14 +221,14 @@ def _check_settings(settings: PlaySettings) -> None:
 
 def _check_unchanged(settings: PlaySettings) -> None:
     """Refuse settings that a march and a named scene choose themselves."""
-    for each in fields(PlaySettings):
-        value, default = getattr(settings, each.name), getattr(PlaySettings(), each.name)
-        if value != default and value != []:  # The controls may be an empty list, too.
-            raise ParameterError(each.name, value, "left out for a march and for a built-in scene")
+    usual = vars(PlaySettings())
+    for name, value in vars(settings).items():
+        if value != usual[name] and value != []:  # The controls may be an empty list, too.
+            raise ParameterError(name, value, "left out for a march and for a built-in scene")
 
 
 def source_of(what: object, settings: PlaySettings) -> SceneSource:
-    """Return how the scene of a march, a space, a function or a name is made."""
+    """How the scene of a march, a space, a function or a name is made."""
     if what is None or isinstance(what, str):
         return named_scene("dragon" if what is None else what)
     if isinstance(what, March):
@@ -238,16 +236,13 @@ def source_of(what: object, settings: PlaySettings) -> SceneSource:
     if isinstance(what, pymunk.Space):
         return replace(space_scene(FirstState(what).begin, settings), given=True)
     if not callable(what):
-        raise ParameterError(
-            "what", what, "a March, a pymunk.Space, a function that returns one, or a scene's name"
-        )
+        bound = "a March, a pymunk.Space, a function that returns one, or a scene's name"
+        raise ParameterError("what", what, bound)
     return space_scene(what, settings)
 
 
 def _has_widgets() -> bool:
     """Whether this runs in a notebook, for which anywidget is installed."""
     python = sys.modules.get("IPython")
-    return (
-        getattr(python and python.get_ipython(), "kernel", None) is not None
-        and find_spec("anywidget") is not None
-    )
+    kernel = getattr(python and python.get_ipython(), "kernel", None)
+    return kernel is not None and find_spec("anywidget") is not None

@@ -17,7 +17,7 @@ from pymunk_dragon.sessions.scene import Scene
 _MAX_WHOLE = 2**53
 # Single steps of a message: a few minutes of simulated time.
 _MAX_COUNT = 100_000
-# Simulated time over real time.
+# Least and largest simulated time over real time.
 _MIN_SPEED = 0.1
 _MAX_SPEED = 20.0
 # Largest turn of the wheel in a message, in notches: more than a hand makes between two pictures.
@@ -31,17 +31,17 @@ class Message:
     do: ClassVar[str]
 
     def key(self) -> object:
-        """Return a key if a later message with the same key replaces this one while it waits, or None."""
+        """Key by which a later message replaces this one while it waits, or None."""
         return None
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the message as JSON has it."""
+        """The message as JSON has it."""
         return {"do": self.do, **vars(self)}
 
-    def _check(self, check: Callable[[str, object], Any], *names: str) -> None:
-        """Replace fields by what a check returns."""
+    def _check(self, limit: float, *names: str) -> None:
+        """Raise an error if one of these fields is no number from `-limit` to `limit`."""
         for name in names:
-            object.__setattr__(self, name, check(name, getattr(self, name)))
+            finite(name, getattr(self, name), -limit, limit, "")
 
 
 class Input(Message):
@@ -79,7 +79,7 @@ class Reset(Message):
     do = "reset"
 
     def key(self) -> object:
-        """Of many resets that wait, one is enough."""
+        """One key for all: of many resets that wait, one is enough."""
         return self.do
 
 
@@ -105,7 +105,6 @@ class Speed(Message):
 
     def __post_init__(self) -> None:
         finite("speed", self.value, _MIN_SPEED, _MAX_SPEED, "times")
-        self._check(_number, "value")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -120,7 +119,7 @@ class ChangeScene(Message):
         label("name", self.name)
 
     def key(self) -> object:
-        """Of many messages that wait for the same scene, one is enough."""
+        """One key for each scene: of many messages that wait for it, one is enough."""
         return self.do, self.name
 
 
@@ -150,10 +149,11 @@ class Set(Input):
 
     def __post_init__(self) -> None:
         label("name", self.name)
-        self._check(_number, "value")
+        # The scene checks the range of the slider.
+        self._check(math.inf, "value")
 
     def key(self) -> object:
-        """Of many values that wait for a slider, the last is set."""
+        """One key for each slider: of many values that wait for it, the last is set."""
         return self.do, self.name
 
     def apply(self, scene: Scene) -> None:
@@ -170,7 +170,7 @@ class _At(Input):
     slip: float
 
     def __post_init__(self) -> None:
-        self._check(_coordinate, "x", "y", "slip")
+        self._check(MAX_COORDINATE, "x", "y", "slip")
 
 
 class Grab(_At):
@@ -193,10 +193,10 @@ class Drag(Input):
     y: float
 
     def __post_init__(self) -> None:
-        self._check(_coordinate, "x", "y")
+        self._check(MAX_COORDINATE, "x", "y")
 
     def key(self) -> object:
-        """Of many points that wait, the last is the pointer's."""
+        """One key for all: of many points that wait, the last is the pointer's."""
         return self.do
 
     def apply(self, scene: Scene) -> None:
@@ -238,7 +238,7 @@ class Obstacle(Input):
     def __post_init__(self) -> None:
         word("shape", self.shape, ("round", "square"))
         positive("size", self.size, math.inf, "")
-        self._check(_coordinate, "x", "y", "size")
+        self._check(MAX_COORDINATE, "x", "y", "size")
 
     def apply(self, scene: Scene) -> None:
         """Change a scene."""
@@ -291,7 +291,7 @@ class Pointer(Input):
     button: int
 
     def __post_init__(self) -> None:
-        self._check(_coordinate, "x", "y")
+        self._check(MAX_COORDINATE, "x", "y")
         word("kind", self.kind, ("down", "move", "up"))
         whole("button", self.button, 1, 3)
 
@@ -310,7 +310,8 @@ class Wheel(Input):
     up: float
 
     def __post_init__(self) -> None:
-        self._check(_notches, "right", "up")
+        finite("right", self.right, -_MAX_NOTCHES, _MAX_NOTCHES, "notches")
+        finite("up", self.up, -_MAX_NOTCHES, _MAX_NOTCHES, "notches")
 
     def apply(self, scene: Scene) -> None:
         """Change a scene."""
@@ -359,8 +360,16 @@ class Hold(Input):
         _dragon_of(scene, self).hold()
 
 
-_SESSION_MESSAGES = (Play, UntilContact, Pause, Reset, Step, Speed, ChangeScene, Ping)
-_INPUTS = (
+_MESSAGES: tuple[type[Message], ...] = (
+    Play,
+    UntilContact,
+    Pause,
+    Reset,
+    Step,
+    Speed,
+    ChangeScene,
+    Ping,
+    # Inputs.
     Set,
     Grab,
     Drag,
@@ -376,21 +385,23 @@ _INPUTS = (
     Hold,
 )
 # Classes of messages by their names in JSON.
-KINDS: dict[str, type[Message]] = {each.do: each for each in (*_SESSION_MESSAGES, *_INPUTS)}
+KINDS = {each.do: each for each in _MESSAGES}
 
 
 def read_message(found: object) -> Message:
-    """Return the message of a JSON object, which has an action, all its arguments, and nothing else."""
+    """The message of a JSON object, which has an action, all its arguments, and nothing else."""
     if isinstance(found, dict):
         kind = KINDS.get(str(found.get("do")))
-        if kind is not None and found.keys() == {"do", *(each.name for each in fields(kind))}:
-            return kind(**{name: value for name, value in found.items() if name != "do"})
+        arguments = {name: value for name, value in found.items() if name != "do"}
+        if kind is not None and arguments.keys() == {each.name for each in fields(kind)}:
+            return kind(**arguments)
+
     actions = ", ".join(KINDS)
     raise ParameterError("message", found, f"an action with its arguments: do is one of {actions}")
 
 
 def read_input(found: object) -> Input:
-    """Return the input of a JSON object."""
+    """The input of a JSON object."""
     message = read_message(found)
     if isinstance(message, Input):
         return message
@@ -398,7 +409,10 @@ def read_input(found: object) -> Input:
 
 
 class Waiting:
-    """What waits for the next turn of a session. Any thread may add to it; it has a lock of its own."""
+    """Actions that wait for the next turn of a session.
+
+    Any thread may add actions; there is a lock of its own.
+    """
 
     def __init__(self) -> None:
         self._actions: dict[object, Callable[[], object]] = {}
@@ -415,10 +429,11 @@ class Waiting:
             self._added.notify()
 
     def take(self) -> list[Callable[[], object]]:
-        """Return all actions in their order, and wait for others."""
+        """Take all actions, in their order."""
         with self._added:
-            actions, self._actions = self._actions, {}
-        return [*actions.values()]
+            actions = [*self._actions.values()]
+            self._actions.clear()
+        return actions
 
     def wait(self, seconds: float) -> None:
         """Return when an action waits, at the latest after `seconds`."""
@@ -426,21 +441,8 @@ class Waiting:
             self._added.wait_for(lambda: self._actions, seconds)
 
 
-def _number(name: str, value: object) -> float:
-    """Return any finite number; the range is that of a slider."""
-    return finite(name, value, -math.inf, math.inf, "")
-
-
-def _coordinate(name: str, value: object) -> float:
-    return finite(name, value, -MAX_COORDINATE, MAX_COORDINATE, "")
-
-
-def _notches(name: str, value: object) -> float:
-    return finite(name, value, -_MAX_NOTCHES, _MAX_NOTCHES, "notches")
-
-
 def _dragon_of(scene: Scene, message: Input) -> DragonScene:
-    """Return a scene that has dancers."""
+    """The scene, if it has dancers."""
     if isinstance(scene, DragonScene):
         return scene
     raise ParameterError("message", message.do, "an action that this scene has")

@@ -28,13 +28,11 @@ _SCRIPTS = (
 
 @cache
 def live_page(title: str, language: str) -> tuple[str, str]:
-    """Return the page, which opens in a language, and its content security policy."""
-    return document(
-        asset(__package__, "assets/live.html"),
-        asset(__package__, "assets/live.css"),
-        "".join(asset(__package__, f"assets/{name}.js") for name in _SCRIPTS),
-        "; connect-src 'self'",
-        language=language,
-        title=escape(title),
-        texts=embedded_json({"zh": catalogue("pymunk_dragon.player", __package__)}),
-    )
+    """The page, which opens in a language, and its content security policy."""
+    body = asset(__package__, "assets/live.html")
+    style = asset(__package__, "assets/live.css")
+    script = "".join(asset(__package__, f"assets/{name}.js") for name in _SCRIPTS)
+    texts = embedded_json({"zh": catalogue("pymunk_dragon.player", __package__)})
+    rules = "; connect-src 'self'"
+    title = escape(title)
+    return document(body, style, script, rules, language=language, title=title, texts=texts)

@@ -36,7 +36,7 @@ class Recording:
     def __init__(self, saved_as: Mapping[str, Any] | None, values: Mapping[str, float]) -> None:
         self._saved_as = saved_as
         self._first = dict(values)
-        # As JSON, which takes less memory.
+        # Inputs as JSON texts, which take less memory.
         self._inputs: list[str] = []
         # Values that sliders have now, of those that were set.
         self.values = dict(values)
@@ -54,7 +54,7 @@ class Recording:
         self._inputs.append(json.dumps([scene.steps, message.to_dict()]))
 
     def log(self, scene: Scene) -> Log:
-        """Return the recording, which ends at the present state of the scene."""
+        """The recording, which ends at the present state of the scene."""
         return {
             "plan": self._saved_as,
             "values": self._first,

@@ -13,8 +13,8 @@ import pymunk
 
 from pymunk_dragon.model.contact import Phase
 
-# Properties of a body in the order in which they are set: the type changes mass and moment, and
-# Pymunk finds the position from that of the centre of gravity, with the angle.
+# Properties of a body that are set before the others, in this order: the type changes mass and
+# moment, and Pymunk finds the position from that of the centre of gravity, with the angle.
 _FIRST = ("body_type", "mass", "moment", "center_of_gravity", "angle", "position")
 
 Part = pymunk.Space | pymunk.Body | pymunk.Shape | pymunk.Constraint
@@ -36,7 +36,8 @@ class FirstState:
     """
 
     def __init__(self, space: pymunk.Space) -> None:
-        self.space, self._has_begun = space, False
+        self.space = space
+        self._has_begun = False
         self._callbacks = callbacks(space)
         self._added = list(space.bodies)
         self._shapes = list(space.shapes)
@@ -54,7 +55,7 @@ class FirstState:
         self._attached = {shape for body in self._bodies for shape in body.shapes}
 
     def begin(self) -> pymunk.Space:
-        """Return the space; from the second time on, in its first state."""
+        """The space; from the second time on, in its first state."""
         if self._has_begun:
             self.restore()
         self._has_begun = True
@@ -66,6 +67,7 @@ class FirstState:
         silence(space, callbacks(space))
         _empty(space)
 
+        # Parts get their properties back while they are not in the space.
         self._set_back([space])
         self._make_dynamic()
         self._detach()
@@ -83,6 +85,7 @@ class FirstState:
         self._set_back(self._bodies)
         self._restore_own_attributes()
         self._put_to_sleep()
+
         for types, phases in self._callbacks.items():
             for phase, (function, data) in phases.items():
                 callback: dict[str, Any] = {phase: function}
@@ -127,9 +130,9 @@ class FirstState:
 
 
 def callbacks(space: pymunk.Space) -> Callbacks:
-    """Return the callbacks of a space, which Pymunk 7.3.1 shows in the state for `pickle` only.
+    """The callbacks of a space, which Pymunk 7.3.1 shows in the state for `pickle` only.
 
-    That takes long where shapes touch: 2 ms for each contact in a space of 3,000 bodies.
+    Reading them takes long where shapes touch: 2 ms for each contact in a space of 3,000 bodies.
     """
     handlers = dict(space.__getstate__()["special"])["_handlers"]
     return {types: _phases(kept) for types, kept in handlers}
@@ -154,7 +157,7 @@ def discard(space: pymunk.Space, handlers: Iterable[Types]) -> None:
 
 
 def _phases(handler: dict[str, Any]) -> dict[Phase, tuple[Any, Any]]:
-    """Return the functions of a handler, and the data of each."""
+    """The functions of a handler, and the data of each."""
     found: dict[Phase, tuple[Any, Any]] = {}
     for phase in get_args(Phase):
         function = handler[f"_{phase}"]
@@ -193,7 +196,7 @@ def _properties(part: Part) -> dict[str, Any]:
 
 @cache
 def _settable(kind: type) -> list[str]:
-    """Return the names of the properties that a user can set, in the order to set them."""
+    """The names of the properties that a user can set, in the order to set them."""
     members = inspect.getmembers(kind, lambda member: isinstance(member, property))
     names = [name for name, member in members if member.fset and not name.startswith("_")]
     last = len(_FIRST)
@@ -201,12 +204,12 @@ def _settable(kind: type) -> list[str]:
 
 
 def _kind(part: Part) -> Any:
-    """Return the class of Pymunk's to which a part belongs, whose own class may be the user's."""
+    """The class of Pymunk's to which a part belongs, whose own class may be the user's."""
     return next(kind for kind in type(part).__mro__ if kind.__module__.startswith("pymunk."))
 
 
 def _arguments(joint: pymunk.Constraint) -> list[Any]:
-    """Return the arguments of the constructor that makes a joint."""
+    """The arguments of the constructor that makes a joint."""
     return [value for _, value in joint.__getstate__()["init"]]
 
 
@@ -215,7 +218,7 @@ def _own_attributes(part: Part) -> dict[str, Any]:
 
 
 def _outline(shape: Any) -> tuple[float, list[Any]]:
-    """Return the radius of a shape, and its points in coordinates of the body."""
+    """The radius of a shape, and its points in coordinates of the body."""
     match shape:
         case pymunk.Circle():
             return shape.radius, [shape.offset]

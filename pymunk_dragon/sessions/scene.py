@@ -29,11 +29,13 @@ from pymunk_dragon.physics.substep import next_length
 from pymunk_dragon.sessions.controls import Button, Key, PygameEvents, Slider, slider_around
 from pymunk_dragon.web.frames import in_binary, packed
 
-# Largest acceleration by a hand, in m/s^2, as in Box2D's testbed; in scenes larger than this size,
-# more.
-_HAND_ACCELERATION, _HAND_SIZE = 1000.0, 10.0
+# Largest acceleration of a body by the hand, m/s^2, as in Box2D's testbed.
+_HAND_ACCELERATION = 1000.0
+# Size of a scene, m, from which on the hand is stronger, in proportion to the size.
+_HAND_SIZE = 10.0
 # Share of the distance to the pointer that is left after a second, as in Pymunk's examples.
 _HAND_BIAS = (1 - 0.15) ** 60
+# Coefficient of friction of obstacles: benches slide along them.
 _OBSTACLE_FRICTION = 0.4
 
 
@@ -41,7 +43,7 @@ _OBSTACLE_FRICTION = 0.4
 class PlaySettings:
     """How a space is played: the keywords of `live`."""
 
-    # s; None where a program makes the steps itself.
+    # Length of a step, s; None where a program makes the steps itself.
     step: float | None = 1 / 60
     on_step: Callable[[pymunk.Space, float], object] | None = None
     controls: Sequence[Slider | Button | Key | PygameEvents] = ()
@@ -61,12 +63,21 @@ class Scene:
     drawn = DrawRecorder.DRAW_SHAPES | DrawRecorder.DRAW_CONSTRAINTS
 
     def __init__(self, space: pymunk.Space, settings: PlaySettings = PlaySettings()) -> None:
-        self.space, self.settings = space, settings
-        # A program makes its first step later.
+        self.space = space
+        self.settings = settings
+        # Whether a program makes the steps itself, by `Live.step`.
+        self.manual = settings.step is None
+        # Before the first step of such a program, its length is not known.
         self.step_length = self._chosen_length = settings.step or 1 / 60
-        self.steps, self.time = 0, 0.0
+        self.steps = 0
+        self.time = 0.0
+
         self.events: list[str] = [] if settings.events is None else settings.events
-        self.stops = self.waits_for_contact = False
+        self.stops = False
+        self.waits_for_contact = False
+        # What touches, while the scene waits for a contact.
+        self._touches: Touches | None = None
+
         # Obstacles by number: what the page gets, and the shape.
         self._obstacles: dict[int, tuple[dict[str, Any], pymunk.Shape]] = {}
         self._hand = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
@@ -74,29 +85,30 @@ class Scene:
         self._recorder = DrawRecorder()
         self._recorder.flags = self.drawn
         self._readings = Readings(space)
-        # What touches, while the scene waits for a contact.
-        self._touches: Touches | None = None
-        self.pygame = next(
-            (each for each in settings.controls if isinstance(each, PygameEvents)), None
-        )
-        self._pressed = {each.name: each for each in settings.controls if isinstance(each, Button)}
+
+        controls = settings.controls
+        self.pygame = next((each for each in controls if isinstance(each, PygameEvents)), None)
+        self._pressed = {each.name: each for each in controls if isinstance(each, Button)}
         down = pymunk.Vec2d(0, 1 if settings.y_down else -1)
         self._down = space.gravity.normalized() if space.gravity.length > 0 else down
-        # Sliders, and their present values: the user's come first, and replace those of the scene.
-        known = {each.name: each for each in self._sliders()}
-        own = {each.name: each for each in settings.controls if isinstance(each, Slider)}
-        self.parameters = own | known | own
-        # Values at the start: of a slider without, that of the space, or the lowest.
-        given = {
-            each.name: each.value
-            for each in [*known.values(), *own.values()]
-            if each.value is not None
-        }
-        self.values: dict[str, float] = {name: each.low for name, each in own.items()} | given
+
+        # The user's sliders come first, and replace those of the scene that have the same names.
+        known = self._sliders()
+        own = [each for each in controls if isinstance(each, Slider)]
+        self.parameters = {each.name: each for each in [*own, *known, *own]}
+        # A slider without a value begins with that of the space, or with its lowest one.
+        self.values: dict[str, float] = {each.name: each.low for each in own}
+        for each in [*known, *own]:
+            if each.value is not None:
+                self.values[each.name] = each.value
+
         self.fit()
 
     def fit(self) -> None:
-        """Choose the area to show at first: that of `PlaySettings.field`, of pygame's window, or of what is drawn."""
+        """Choose the area to show at first.
+
+        It is that of `PlaySettings.field`, of pygame's window, or of what is drawn.
+        """
         field = self.settings.field or (self.pygame and self.pygame.field) or area(self.space)
         self.field: dict[str, list[float]] = {"centre": list(field[:2]), "size": list(field[2:])}
 
@@ -107,51 +119,63 @@ class Scene:
         self.step_length = self._next_length()
         if self.settings.on_step is not None:
             self.settings.on_step(self.space, self.time)
+
         self._readings.before_step(self.step_length)
         self.space.step(self.step_length)
         self.steps += 1
         self.time += self.step_length
+
         if self._touches is not None and self._touches.begin():
-            self.stops, self.waits_for_contact = True, False
+            self.stops = True
+            self.waits_for_contact = False
             self._touches = None
         if not self._readings.are_finite():
             raise DragonError("the bodies flew apart: reset, and take shorter steps")
 
     def _next_length(self) -> float:
-        """Return the length of the next step, s, which approaches the chosen one, unless a program makes the steps."""
-        if self.settings.step is None:
+        """Length of the next step, s: near the last one, on the way to the chosen one."""
+        if self.manual:
             return self.step_length
         before = self.step_length if self.steps else 0.0
         return next_length(before, self._chosen_length)
 
     def _sliders(self) -> list[Slider]:
-        """Return the sliders that any space has."""
-        ms, space, g = 1e3 * self.step_length, self.space, self.space.gravity.length
-        known = [
-            Slider("step", ms / 10, 10 * ms, ms, label="Time step", unit="ms", logarithmic=True),
-            slider_around(
-                "iterations",
-                1,
-                200,
-                space.iterations,
-                label="Iterations",
-                logarithmic=True,
-                whole=True,
-            ),
-            slider_around("damping", 0, 1, space.damping, label="Velocity kept in 1 s"),
-            Slider(
-                "gravity", 0, 3 * g or 1.0, g, label="Gravity", unit=f"{self.settings.units}/s²"
-            ),
-        ]
+        """The sliders that any space has."""
+        sliders = []
         # A program that makes the steps itself chooses their length.
-        hidden = {"step": self.settings.step is None, "gravity": g == 0}
-        return [each for each in known if not hidden.get(each.name)]
+        if not self.manual:
+            ms = 1e3 * self.step_length
+            sliders.append(
+                Slider("step", ms / 10, 10 * ms, ms, label="Time step", unit="ms", logarithmic=True)
+            )
+
+        count = self.space.iterations
+        sliders.append(
+            slider_around(
+                "iterations", 1, 200, count, label="Iterations", logarithmic=True, whole=True
+            )
+        )
+
+        kept = self.space.damping
+        sliders.append(slider_around("damping", 0, 1, kept, label="Velocity kept in 1 s"))
+
+        g = self.space.gravity.length
+        if g != 0:
+            unit = f"{self.settings.units}/s²"
+            sliders.append(Slider("gravity", 0, 3 * g, g, label="Gravity", unit=unit))
+        return sliders
+
+    def rebuilds(self, name: str) -> bool:
+        """Whether a change of a slider builds the scene again."""
+        slider = self.parameters.get(name)
+        return slider is not None and slider.rebuilds
 
     def set(self, name: str, value: float) -> None:
-        """Change a value: by the action of its slider or, if the slider does not rebuild, as a property."""
+        """Change a value: by the action of its slider, as a property, or for the next scene."""
         slider = self.parameters[word("name", name, self.parameters)]
         value = slider.checked(value)
         self.values[name] = value
+
         if slider.action is not None:
             slider.action(self.space, value)
         elif name == "step":
@@ -161,7 +185,7 @@ class Scene:
         self._wake()
 
     def press(self, name: str, down: bool) -> None:
-        """Call the action of a button or a key that is pressed, or that of a key that is released."""
+        """Call the action of a button or key that is pressed, or of a key that is released."""
         control = self._pressed.get(name)
         if self.pygame is not None:
             self.pygame.key(name, down)
@@ -172,12 +196,12 @@ class Scene:
             self._wake()
 
     def pointer(self, x: float, y: float, kind: str, button: int) -> None:
-        """Hand the pointer on to a pygame program, whose window has its origin at the upper left."""
+        """Pass the pointer to a pygame program, whose window has its origin at the upper left."""
         down = y if self.settings.y_down else self.field["size"][1] - y
         self._pygame_events().pointer(x, down, kind, button)
 
     def wheel(self, right: float, up: float) -> None:
-        """Hand a turn of the wheel on to a pygame program: notches to the right, and up."""
+        """Pass a turn of the wheel to a pygame program: notches to the right, and up."""
         self._pygame_events().wheel(right, up)
 
     def _pygame_events(self) -> PygameEvents:
@@ -186,14 +210,16 @@ class Scene:
         return self.pygame
 
     def grab(self, x: float, y: float, slip: float) -> None:
-        """Hold the body that is drawn on top at a point of the world, or the nearest within `slip`."""
+        """Hold the body that is drawn on top at a point, or the nearest one within `slip`."""
         self.drop()
         self._hand.position = x, y
         body, point = body_at(self.shapes(), x, y, slip)
-        held = self._held = pymunk.PivotJoint(self._hand, body, (0, 0), body.world_to_local(point))
-        held.max_force = (
-            _HAND_ACCELERATION * max(1.0, max(self.field["size"]) / _HAND_SIZE) * body.mass
-        )
+
+        anchor = body.world_to_local(point)
+        held = self._held = pymunk.PivotJoint(self._hand, body, (0, 0), anchor)
+        size = max(self.field["size"])
+        acceleration = _HAND_ACCELERATION * max(1.0, size / _HAND_SIZE)
+        held.max_force = acceleration * body.mass
         held.error_bias = _HAND_BIAS
         self.space.add(held)
 
@@ -214,35 +240,34 @@ class Scene:
         if not joint.collide_bodies:
             # Bodies that the joint kept from colliding may overlap, and would be thrown apart.
             keeper = pymunk.RotaryLimitJoint(joint.a, joint.b, -math.inf, math.inf)
-            keeper.collide_bodies, keeper.max_force = False, 0.0
+            keeper.collide_bodies = False
+            keeper.max_force = 0.0
             self.space.add(keeper)
 
     def shapes(self) -> list[pymunk.Shape]:
-        """Return the shapes in the order in which the page draws them."""
+        """The shapes in the order in which the page draws them."""
         self.space.debug_draw(self._recorder)
         return [call.shape for call in self._recorder.calls if call.shape is not None]
 
     def joints(self) -> list[pymunk.Constraint]:
-        """Return the joints of the space that have forces, without that of the hand."""
-        return [
-            each for each in self.space.constraints if each is not self._held and each.max_force > 0
-        ]
+        """The joints of the space that have forces, without that of the hand."""
+        joints = self.space.constraints
+        return [each for each in joints if each is not self._held and each.max_force > 0]
 
     def obstacle(self, shape: str, x: float, y: float, size: float) -> None:
         """Put a round or square obstacle, `size` in diameter or side, on the ground."""
-        half = size / 2
         ground = self.space.static_body
         found: pymunk.Shape
         if shape == "round":
-            found = pymunk.Circle(ground, half, (x, y))
+            found = pymunk.Circle(ground, size / 2, (x, y))
         else:
-            found = pymunk.Poly.create_box_bb(ground, pymunk.BB.newForCircle((x, y), half))
+            box = pymunk.BB.newForCircle((x, y), size / 2)
+            found = pymunk.Poly.create_box_bb(ground, box)
         found.friction = _OBSTACLE_FRICTION
-        number = max(self._obstacles, default=0) + 1
-        self._obstacles[number] = (
-            {"id": number, "shape": shape, "x": x, "y": y, "size": 2 * half},
-            found,
-        )
+
+        key = max(self._obstacles, default=0) + 1
+        about = {"id": key, "shape": shape, "x": x, "y": y, "size": size}
+        self._obstacles[key] = about, found
         self.space.add(found)
         # A new static shape wakes no body.
         self._wake([each.shape.body for each in self.space.shape_query(found)])
@@ -259,62 +284,66 @@ class Scene:
             shape.body = None
 
     def _wake(self, bodies: Iterable[pymunk.Body | None] | None = None) -> None:
-        """Wake bodies, or all: Pymunk 7.3.1 wakes none where the space but its gravity, or a static shape, changes."""
+        """Wake bodies, or all of the space.
+
+        Pymunk 7.3.1 wakes bodies if the gravity changes, but not if another property of the space
+        or a static shape does.
+        """
         for body in self.space.bodies if bodies is None else bodies:
             if body is not None and body.is_sleeping:
                 body.activate()
 
     def to_dict(self) -> dict[str, Any]:
-        """Return what the page gets once."""
+        """What the page gets once."""
+        parameters = []
+        for name, slider in self.parameters.items():
+            parameters.append(vars(slider) | {"action": None, "value": self.values[name]})
+
         keys = [each.name for each in self._pressed.values() if isinstance(each, Key)]
-        now = [
-            vars(each) | {"action": None, "value": self.values[name]}
-            for name, each in self.parameters.items()
-        ]
-        controls = {
-            "parameters": now,
-            "buttons": [name for name in self._pressed if name not in keys],
-        }
-        controls["keys"] = ["*"] if self.pygame else keys
-        about = {
+        buttons = [name for name in self._pressed if name not in keys]
+
+        unit_of = units(self.settings.units)
+        plots = {title: unit_of[kind] for title, kind in QUANTITIES.items()}
+        # The user's quantities have their units in their titles.
+        plots |= dict.fromkeys(self.settings.plots, "")
+
+        return {
+            "parameters": parameters,
+            "buttons": buttons,
+            "keys": ["*"] if self.pygame else keys,
             "dragon": None,
             "step": self.step_length,
             "y_down": self.settings.y_down,
             "units": self.settings.units,
+            "field": self.field,
+            "unit_of": unit_of,
+            "plots": list(plots.items()),
         }
-        unit_of = units(self.settings.units)
-        # The user's quantities have their units in their titles.
-        plots = {name: unit_of[kind] for name, kind in QUANTITIES.items()} | dict.fromkeys(
-            self.settings.plots, ""
-        )
-        return (
-            controls
-            | about
-            | {"field": self.field, "unit_of": unit_of, "plots": list(plots.items())}
-        )
 
     def state(self) -> dict[str, Any]:
-        """Return what changes now and then."""
-        obstacles = [about for about, _ in self._obstacles.values()]
-        scene = {
-            "obstacles": obstacles,
+        """What changes now and then."""
+        return {
+            "obstacles": [about for about, _ in self._obstacles.values()],
             "values": dict(self.values),
             "waits_for_contact": self.waits_for_contact,
+            "contacts": None,
+            "free_from": None,
+            "cuts": [],
         }
-        return {"contacts": None, "free_from": None, "cuts": [], **scene}
 
     def poses(self) -> Array:
-        """Return the poses (B, 3) of the bodies in the space now."""
+        """The poses (B, 3) of the bodies in the space now."""
         return np.array([(*body.position, body.angle) for body in self.space.bodies]).reshape(-1, 3)
 
     def plots(self) -> dict[str, float]:
-        """Return quantities for charts: energy, momentum, and those of the user's."""
-        return energies(self.space) | {
-            name: self._plotted(name, plot) for name, plot in self.settings.plots.items()
-        }
+        """Quantities for charts: energy, momentum, and those of the user's."""
+        values = energies(self.space)
+        for title, plot in self.settings.plots.items():
+            values[title] = self._plotted(title, plot)
+        return values
 
     def _plotted(self, title: str, plot: Callable[[pymunk.Space], float]) -> float:
-        """Return the value of a chart of the user's; an error names the chart."""
+        """The value of a chart of the user's; an error names the chart."""
         try:
             value = plot(self.space)
         except Exception as error:
@@ -325,24 +354,20 @@ class Scene:
         return number(float(value) if isinstance(value, bool | np.bool_) else value)
 
     def frame(self, header: Mapping[str, Any]) -> bytes:
-        """Return the present state as `in_binary` does, with the session's part of the header."""
-        held = (
-            (pull := self._held)
-            and pull.b.space
-            and [*pull.b.local_to_world(pull.anchor_b), *self._hand.position]
-        )
+        """The present state in the format of `in_binary`; `header` is the session's part of it."""
+        pull = self._held
+        held = None
+        # A function of the user's may have removed the body.
+        if pull is not None and pull.b.space is not None:
+            held = [*pull.b.local_to_world(pull.anchor_b), *self._hand.position]
+        state = {"step": self.steps, "time": self.time, "held": held}
         more, arrays = self._parts()
-        return in_binary(
-            {**header, "step": self.steps, "time": self.time, "held": held, **more}, arrays
-        )
+        return in_binary({**header, **state, **more}, arrays)
 
     def _parts(self) -> tuple[dict[str, Any], dict[str, Array]]:
-        """Return parts of the header and arrays of a frame."""
+        """Parts of the header and arrays of a frame."""
         self.space.debug_draw(self._recorder)
         calls, colours = packed(self._recorder.calls, grip)
         joints = self._readings.joints(self.joints())
-        return {"colours": colours}, {
-            "calls": calls,
-            "joints": joints,
-            "contacts": self._readings.contacts(),
-        }
+        contacts = self._readings.contacts()
+        return {"colours": colours}, {"calls": calls, "joints": joints, "contacts": contacts}

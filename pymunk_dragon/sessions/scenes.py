@@ -1,4 +1,4 @@
-"""Where scenes come from: marches, spaces, recordings, and the scenes of the command by their names."""
+"""Sources of scenes: marches, spaces, recordings, and the scenes of the command, by name."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from inspect import Parameter, signature
-from itertools import pairwise
 from typing import Any
 
 import pymunk
@@ -18,7 +17,7 @@ from pymunk_dragon.model.curves import Line, Spiral
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.scenario import Scenario
-from pymunk_dragon.sessions.controls import Button, PygameEvents, Slider
+from pymunk_dragon.sessions.controls import Slider
 from pymunk_dragon.sessions.dragon import DragonScene, Values
 from pymunk_dragon.sessions.scene import PlaySettings, Scene
 
@@ -48,12 +47,12 @@ SCENES: dict[str, SceneSource] = {}
 
 
 def named_scene(name: str) -> SceneSource:
-    """Return the scene of the command that has a name."""
+    """The scene of the command that has a name."""
     return SCENES[word("scene", name, list(SCENES))]
 
 
 def march_scene(march: March, start: float = 0.0) -> SceneSource:
-    """Return the scene of a march that begins at `start`, s."""
+    """The scene of a march that begins at `start`, s."""
     finite("start", start, -math.inf, math.inf, "s")
     try:
         saved_as = {"scenario": Scenario.of(march).to_dict(), "start": start}
@@ -69,7 +68,7 @@ def march_scene(march: March, start: float = 0.0) -> SceneSource:
 
 
 def recorded_scene(saved_as: Mapping[str, Any]) -> SceneSource:
-    """Return the scene of a recording, from its `SceneSource.saved_as`."""
+    """The scene of a recording, from its `SceneSource.saved_as`."""
     if "scene" in saved_as:
         return named_scene(saved_as["scene"])
     march = Scenario.from_dict(saved_as["scenario"], files=False).march()
@@ -77,54 +76,57 @@ def recorded_scene(saved_as: Mapping[str, Any]) -> SceneSource:
 
 
 def space_scene(build: Callable[..., pymunk.Space], settings: PlaySettings) -> SceneSource:
-    """Return the scene of a function that builds a space; sliders with the names of its arguments have their values."""
+    """The scene of a function that builds a space.
+
+    Sliders with the names of the function's arguments have their values.
+    """
     arguments = signature(build).parameters
-    settings = replace(
-        settings, controls=[_at_start(each, arguments) for each in settings.controls]
-    )
-    own = {each.name: each for each in settings.controls if isinstance(each, Slider)}
+    controls = []
+    own: dict[str, Slider] = {}
+    for each in settings.controls:
+        if isinstance(each, Slider):
+            each = own[each.name] = _at_start(each, arguments)
+        controls.append(each)
+    settings = replace(settings, controls=controls)
 
     def make(values: Values) -> Scene:
-        given = {
-            name: each.checked(values.get(name, each.value))
-            for name, each in own.items()
-            if name in arguments
-        }
+        given = {}
+        for name, slider in own.items():
+            if name in arguments:
+                given[name] = slider.checked(values.get(name, slider.value))
         space = build(**given)
         if not isinstance(space, pymunk.Space):
             raise ParameterError("build", space, "a function that returns a pymunk.Space")
+
         scene = Scene(space, settings)
         for name, slider in scene.parameters.items():
-            if name in own and name in values:
-                scene.set(name, values[name])
-            elif name in values:
-                # The range is that of the space that was built now.
-                scene.set(name, min(max(values[name], slider.low), slider.high))
+            if name in values:
+                value = values[name]
+                # The ranges of other sliders are those of the space that was built now.
+                if name not in own:
+                    value = min(max(value, slider.low), slider.high)
+                scene.set(name, value)
         return scene
 
     return SceneSource(name="space", title="A space", text="Pull a body, cut a joint.", build=make)
 
 
-def _at_start(control: Any, arguments: Mapping[str, Parameter]) -> Any:
-    """Return a control; a slider has its value at the start, if that is not the value of a property of the space."""
-    if not isinstance(control, Slider | Button | PygameEvents):
-        raise ParameterError("controls", control, "Slider, Button, Key and PygameEvents")
-    if not isinstance(control, Slider):
-        return control
-    name, value, argument = control.name, control.value, arguments.get(control.name)
-    if not (argument or ((control.action or name in _PROPERTIES) and not control.rebuilds)):
+def _at_start(slider: Slider, arguments: Mapping[str, Parameter]) -> Slider:
+    """A slider with its value at the start, unless that is the value of a property of the space."""
+    value = slider.value
+    whole = slider.whole or slider.name == "iterations"
+    argument = arguments.get(slider.name)
+    if argument is not None:
+        value = argument.default if value is None else value
+        whole = whole or isinstance(value, int)
+    elif slider.rebuilds or not (slider.action or slider.name in _PROPERTIES):
         known = ", ".join(arguments) or "none"
-        raise ParameterError(
-            "controls", name, f"an argument of the function that builds the space ({known})"
-        )
-    if argument and value is None:
-        value = argument.default
+        bound = f"an argument of the function that builds the space ({known})"
+        raise ParameterError("controls", slider.name, bound)
+
     if value is not None:
-        control.checked(value)
-    whole = (
-        control.whole or name == "iterations" or (argument is not None and isinstance(value, int))
-    )
-    return replace(control, value=value, whole=whole)
+        slider.checked(value)
+    return replace(slider, value=value, whole=whole)
 
 
 def add(
@@ -145,7 +147,7 @@ def add(
     SCENES[name] = SceneSource(
         name=name,
         title=title,
-        text=build.__doc__,
+        text=" ".join(build.__doc__.split()),
         lesson=lesson,
         build=make,
         saved_as=saved_as,
@@ -156,9 +158,9 @@ def add(
 def _scene(
     name: str, title: str, lesson: str | None = None, **settings: Any
 ) -> Callable[[Any], Any]:
-    """Return a decorator that adds a scene, whose name stands in recordings."""
-    saved_as = {"scene": name}
-    return partial(add, name=name, title=title, lesson=lesson, saved_as=saved_as, **settings)
+    """A decorator that adds a scene, whose name stands in recordings."""
+    about: dict[str, Any] = {"name": name, "title": title, "lesson": lesson}
+    return partial(add, saved_as={"scene": name}, **about, **settings)
 
 
 @_scene("dragon", "The dragon")
@@ -176,41 +178,45 @@ def _unguided(values: Values) -> Scene:
 @_scene("sloppy-engine", "A coarse engine", "engine")
 def _sloppy_engine(values: Values) -> Scene:
     """Long steps and two iterations: watch the position error, then raise the iterations."""
-    return DragonScene(
-        March(), {"step": 60.0, "iterations": 2, **values}, contacts="report", start=380.0
-    )
+    coarse = {"step": 60.0, "iterations": 2, **values}
+    return DragonScene(March(), coarse, contacts="report", start=380.0)
 
 
 @_scene("near-miss", "Near misses", "near-miss")
 def _near_miss(values: Values) -> Scene:
-    """Which bench does the head touch first? It passes bench 9 with a gap of 3 mm and bench 11 with 0.9 mm."""
+    """Which bench does the head touch first?
+
+    It passes bench 9 with a gap of 3 mm and bench 11 with 0.9 mm.
+    """  # noqa: D400  # The page shows the question.
     return DragonScene(March(), values, contacts="stop", start=404.0)
 
 
 @_scene("jam", "A jam")
 def _jam(values: Values) -> Scene:
     """The path is blocked. Remove the obstacle, or see which forces the joints bear."""
-    scene = DragonScene(
-        March(Dragon(benches=12), Line(start=(-24.0, 0.0), stop=(8.0, 0.0)), start_s=24.0), values
-    )
+    path = Line(start=(-24.0, 0.0), stop=(8.0, 0.0))
+    scene = DragonScene(March(Dragon(benches=12), path, start_s=24.0), values)
     scene.obstacle("square", 4.0, 0.1, 2.0)
     return scene
 
 
 def _space() -> pymunk.Space:
-    """Return an empty space with gravity."""
+    """An empty space with gravity."""
     space = pymunk.Space()
-    space.gravity, space.iterations = (0, -9.81), 20
+    space.gravity = (0, -9.81)
+    space.iterations = 20
     return space
 
 
 def _box(
     space: pymunk.Space, size: tuple[float, float], x: float, y: float, group: int = 0
 ) -> pymunk.Body:
-    """Return a new box of 1 kg in a space; boxes of the same group but 0 pass through each other."""
+    """A new box of 1 kg in a space; boxes of the same group but 0 pass through each other."""
     body = pymunk.Body(1.0, pymunk.moment_for_box(1.0, size))
-    body.position, shape = (x, y), pymunk.Poly.create_box(body, size)
-    shape.friction, shape.filter = 0.7, pymunk.ShapeFilter(group=group)
+    body.position = (x, y)
+    shape = pymunk.Poly.create_box(body, size)
+    shape.friction = 0.7
+    shape.filter = pymunk.ShapeFilter(group=group)
     space.add(body, shape)
     return body
 
@@ -218,7 +224,8 @@ def _box(
 @_scene("robot-arm", "A robot's arm", "robot")
 def _robot_arm(values: Values) -> Scene:
     """Links that go where the tip went before."""
-    spacings, widths = [0.10] * 6 + [0.13] * 5 + [0.16] * 4, [0.05] * 7 + [0.06] * 5 + [0.07] * 4
+    spacings = [0.10] * 6 + [0.13] * 5 + [0.16] * 4
+    widths = [0.05] * 7 + [0.06] * 5 + [0.07] * 4
     arm = Dragon(head_spacing=0.14, body_spacing=spacings, overhang=0.02, width=widths)
     return DragonScene(March(arm, Spiral(pitch=0.3), turns=3, speed=0.2), values)
 
@@ -227,13 +234,11 @@ def _robot_arm(values: Values) -> Scene:
 def _pendulum() -> pymunk.Space:
     """Pull it up and drop it. Then cut a joint."""
     space = _space()
-    rods = [_box(space, (1.0, 0.08), number + 0.5, 0.0, group=1) for number in range(3)]
-    space.add(
-        *(
-            pymunk.PivotJoint(*pair, (x, 0.0))
-            for x, pair in enumerate(pairwise([space.static_body, *rods]))
-        )
-    )
+    before = space.static_body
+    for i in range(3):
+        rod = _box(space, (1.0, 0.08), i + 0.5, 0.0, group=1)
+        space.add(pymunk.PivotJoint(before, rod, (i, 0.0)))
+        before = rod
     return space
 
 
@@ -243,8 +248,10 @@ def _cradle() -> pymunk.Space:
     space = _space()
     for ball in range(5):
         body = pymunk.Body(1.0, pymunk.moment_for_circle(1.0, 0.0, 0.2))
-        hook, angle = (0.402 * (ball - 2), 2.0), 0.9 if ball == 0 else 0.0
-        body.position = hook[0] - 2 * math.sin(angle), hook[1] - 2 * math.cos(angle)
+        hook = pymunk.Vec2d(0.402 * (ball - 2), 2.0)
+        # The first ball is pulled aside.
+        angle = 0.9 if ball == 0 else 0.0
+        body.position = hook.x - 2 * math.sin(angle), hook.y - 2 * math.cos(angle)
         shape = pymunk.Circle(body, 0.2)
         shape.elasticity = 1.0
         space.add(body, shape, pymunk.PinJoint(space.static_body, body, hook, (0.0, 0.0)))
@@ -260,11 +267,13 @@ def _cradle() -> pymunk.Space:
 )
 def _boxes(rows: int = 8) -> pymunk.Space:
     """Pull a box out of the stack. Fewer iterations make it soft."""
-    space, reach = _space(), 0.3 * rows + 3.6
+    space = _space()
+    reach = 0.3 * rows + 3.6
     ground = pymunk.Segment(space.static_body, (-reach, 0.0), (reach, 0.0), 0.05)
     ground.friction = 0.7
     space.add(ground)
     for row in range(rows):
         for column in range(rows - row):
-            _box(space, (0.5, 0.5), 0.55 * (column - (rows - 1 - row) / 2), 0.3 + 0.5 * row)
+            x = 0.55 * (column - (rows - 1 - row) / 2)
+            _box(space, (0.5, 0.5), x, 0.3 + 0.5 * row)
     return space

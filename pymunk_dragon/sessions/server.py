@@ -1,4 +1,4 @@
-"""The server of a live session: a page, and a WebSocket for each client, with aiohttp in a thread of its own."""
+"""The server of a live session: a page, and a WebSocket for each client, by aiohttp in a thread."""
 
 from __future__ import annotations
 
@@ -26,16 +26,27 @@ from pymunk_dragon.sessions.client import Client
 from pymunk_dragon.sessions.page import live_page
 from pymunk_dragon.sessions.session import Session
 
-# Messages of a client in a second: the others wait, and a client of which so many had to wait is
-# disconnected.
-_MOST_MESSAGES, _MOST_DELAYED = 500, 5000
-# Bytes of a message; and what may wait for a client: one that does not take it is disconnected.
-_MAX_BYTES, _MAX_WAITING = 16_384, 1000
-# Clients at once, and those of them who only watch: places are kept for those who control.
-_MAX_CLIENTS, _MAX_WATCHERS = 220, 200
-# s after which a client that does not answer is disconnected; in which inputs are saved; for the
-# last bytes.
-_HEARTBEAT, _SAVE_TIME, _STOP_TIME = 20.0, 10.0, 0.5
+# Messages that are taken of a client in a second: the others wait.
+_MOST_MESSAGES = 500
+# Messages of a client that had to wait, after which the client is disconnected.
+_MOST_DELAYED = 5000
+# Largest message of a client, bytes: more than any message of the page has.
+_MAX_BYTES = 16_384
+# Texts that may wait for a client: a client that does not take them is disconnected.
+_MAX_WAITING = 1000
+# Clients at once.
+_MAX_CLIENTS = 220
+# Clients at once that only watch: fewer, so that there is room for those that control.
+_MAX_WATCHERS = 200
+# Time after which a client that does not answer is disconnected, s.
+_HEARTBEAT = 20.0
+# Longest time for saving inputs, s.
+_SAVE_TIME = 10.0
+# Time for the last bytes when the server ends, s.
+_STOP_TIME = 0.5
+# Ports have 16 bits.
+_MAX_PORT = 65_535
+# Names of this machine that no other machine can reach.
 _LOOPBACK = ("localhost", "127.0.0.1", "::1")
 _HEADERS = {
     "Cache-Control": "no-store",
@@ -62,6 +73,7 @@ class _Client(Client):
         self._drop = drop
         # Has something done in the thread of the server.
         self._call = call
+
         self._news = asyncio.Event()
         self._waiting: dict[object, Callable[[], Awaitable[None]]] = {}
 
@@ -94,9 +106,10 @@ class _Client(Client):
 
 
 class Server:
-    """Serves a session to browsers, until `stop`; `front` is a page to show first, with the live page in it.
+    """Serves a session to browsers, until `stop`.
 
-    With `address` one controls the session, with `watch_address` one only watches.
+    The page at `address` controls the session, the page at `watch_address` only watches. `front` is
+    a page to show first, with the live page in it.
     """
 
     def __init__(
@@ -108,35 +121,44 @@ class Server:
         allow_hosts: Sequence[str] = (),
         front: str | None = None,
     ) -> None:
-        self._session, self._front = session, front
+        self._session = session
+        self._front = front
+        # The caller's language, which the thread of the server does not have.
+        self._language = language()
+
         self._proxies = {name.lower() for name in allow_hosts}
         self._known = {*_LOOPBACK, host.lower(), socket.gethostname().lower(), *self._proxies}
         self._any_address = host not in _LOOPBACK
-        # Read here, because the thread of the server does not have the language of the caller.
-        self._language = language()
         self._socket = _bound(host, port)
-        # Whether one controls the session with a token.
-        self._tokens = {secrets.token_urlsafe(16): controls for controls in (True, False)}
-        name = "127.0.0.1" if host in ("0.0.0.0", "::") else f"[{host}]" if ":" in host else host
+
+        name = host
+        if host in ("0.0.0.0", "::"):
+            name = "127.0.0.1"
+        elif ":" in host:
+            name = f"[{host}]"
         page = f"http://{name}:{self._socket.getsockname()[1]}/?token="
-        self.address, self.watch_address = (page + token for token in self._tokens)
-        self._loop = asyncio.new_event_loop()
+        self._control_token = secrets.token_urlsafe(16)
+        self._watch_token = secrets.token_urlsafe(16)
+        self.address = page + self._control_token
+        self.watch_address = page + self._watch_token
+
         application = web.Application(middlewares=[self._check])
-        pages = {
-            "/": self._page,
-            "/live": self._page,
-            "/socket": self._connect,
-            "/inputs": self._inputs,
-        }
-        application.add_routes([web.get(path, handler) for path, handler in pages.items()])
+        application.router.add_get("/", self._page)
+        application.router.add_get("/live", self._page)
+        application.router.add_get("/socket", self._connect)
+        application.router.add_get("/inputs", self._inputs)
         application.on_response_prepare.append(_add_headers)
-        quiet: Any = {
-            "handle_signals": False,
-            "print": None,
-            "access_log": None,
-            "shutdown_timeout": _STOP_TIME,
-        }
-        serve = partial(web.run_app, application, sock=self._socket, loop=self._loop, **quiet)
+
+        self._loop = asyncio.new_event_loop()
+        quiet: Any = {"handle_signals": False, "print": None, "access_log": None}
+        serve = partial(
+            web.run_app,
+            application,
+            sock=self._socket,
+            loop=self._loop,
+            shutdown_timeout=_STOP_TIME,
+            **quiet,
+        )
         self._thread = threading.Thread(target=serve, name="pymunk-dragon live server", daemon=True)
         self._thread.start()
 
@@ -158,45 +180,38 @@ class Server:
 
     @web.middleware
     async def _check(self, request: web.Request, handler: Handler) -> web.StreamResponse:
-        """Refuse requests of another page, or one whose name is rebound to this machine, and those without a token."""
-        host = request.headers.get("Host", "")
-        is_known = False
-        with suppress(ValueError):  # It is no address.
-            name, page = (
-                urlsplit(f"//{host}").hostname or "",
-                urlsplit(request.headers.get("Origin", f"//{host}")),
-            )
-            is_known = name in self._known or (
-                self._any_address and bool(ipaddress.ip_address(name))
-            )
-            # A proxy with an allowed name may replace the host, but not the origin.
-            is_known &= page.netloc == host or page.hostname in self._proxies
-        if not is_known or self._controls(request) is None:
-            raise web.HTTPForbidden(
-                text="Open the address that was printed; behind a proxy, see --allow-host.\n"
-            )
+        """Refuse requests of another page, and those without a token.
+
+        Another page is also one whose name is rebound to this machine.
+        """
+        has_token = _has(request, self._control_token) or _has(request, self._watch_token)
+        if not (has_token and self._is_known(request)):
+            message = "Open the address that was printed; behind a proxy, see --allow-host.\n"
+            raise web.HTTPForbidden(text=message)
         return await handler(request)
 
-    def _controls(self, request: web.Request) -> bool | None:
-        """Whether a request may control the session; None without a token. The time taken reveals no token."""
-        given = request.query.get("token", "").encode()
-        found = [
-            may
-            for token, may in self._tokens.items()
-            if secrets.compare_digest(given, token.encode())
-        ]
-        return found[0] if found else None
+    def _is_known(self, request: web.Request) -> bool:
+        """Whether the host of a request is this server, and its origin a page of this server."""
+        host = request.headers.get("Host", "")
+        with suppress(ValueError):  # A text that is no address.
+            page = urlsplit(request.headers.get("Origin", f"//{host}"))
+            # A proxy with an allowed name may replace the host, but not the origin.
+            if page.netloc == host or page.hostname in self._proxies:
+                name = urlsplit(f"//{host}").hostname or ""
+                return name in self._known or (
+                    self._any_address and bool(ipaddress.ip_address(name))
+                )
+        return False
 
     async def _page(self, request: web.Request) -> web.Response:
         if self._front is not None and request.path == "/":
             return web.Response(text=self._front, content_type="text/html")
         page, rules = live_page(self._session.source.title, self._language)
-        return web.Response(
-            text=page, content_type="text/html", headers={"Content-Security-Policy": rules}
-        )
+        headers = {"Content-Security-Policy": rules}
+        return web.Response(text=page, content_type="text/html", headers=headers)
 
     async def _inputs(self, request: web.Request) -> web.Response:
-        """What was done so far, as JSON from which the session is played again."""
+        """The inputs so far, as JSON from which the session is played again."""
         found: Future[str] = Future()
         self._session.call(lambda: found.set_result(json.dumps(self._session.log())))
         # After a timeout the session may still set the result, so the future is not cancelled.
@@ -205,10 +220,11 @@ class Server:
         return web.Response(text=text, content_type="application/json", headers=headers)
 
     async def _connect(self, request: web.Request) -> web.StreamResponse:
-        controls = bool(self._controls(request))
+        controls = _has(request, self._control_token)
         others = [each.controls for each in self._session.clients]
         if len(others) >= _MAX_CLIENTS or (others.count(False) >= _MAX_WATCHERS and not controls):
             raise web.HTTPServiceUnavailable(text="There are too many clients.\n")
+
         connection = web.WebSocketResponse(
             compress=False, heartbeat=_HEARTBEAT, max_msg_size=_MAX_BYTES
         )
@@ -216,13 +232,17 @@ class Server:
         assert request.transport is not None  # The request is being answered.
         client = _Client(self._session, connection, controls, request.transport.abort, self._call)
         self._session.join(client)
-        sending, due, delayed = asyncio.create_task(client.send()), 0.0, 0
+        sending = asyncio.create_task(client.send())
+
+        due = 0.0
+        delayed = 0
         try:
             async for message in connection:
                 # A second's messages may come at once; then nothing is read from this client for a
                 # while.
                 due = max(due, self._loop.time() - 1) + 1 / _MOST_MESSAGES
-                if (wait := due - self._loop.time()) > 0:
+                wait = due - self._loop.time()
+                if wait > 0:
                     delayed += 1
                     await asyncio.sleep(wait)
                 if delayed > _MOST_DELAYED:
@@ -234,13 +254,18 @@ class Server:
         return connection
 
 
+def _has(request: web.Request, token: str) -> bool:
+    """Whether a request has a token; the time that this takes reveals no token."""
+    given = request.query.get("token", "")
+    return secrets.compare_digest(given.encode(), token.encode())
+
+
 def _bound(host: str, port: int) -> socket.socket:
-    """Return a socket that listens; port 0 is a free one."""
-    whole("port", port, 0, 65535)
+    """A socket that listens; port 0 is a free one."""
+    whole("port", port, 0, _MAX_PORT)
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
     try:
-        return socket.create_server(
-            (host, port), family=socket.AF_INET6 if ":" in host else socket.AF_INET
-        )
+        return socket.create_server((host, port), family=family)
     except (OSError, UnicodeError) as error:
         is_taken = getattr(error, "errno", None) in (errno.EADDRINUSE, errno.EACCES)
         name, value = ("port", port) if is_taken else ("host", host)
@@ -248,5 +273,5 @@ def _bound(host: str, port: int) -> socket.socket:
 
 
 async def _add_headers(request: web.Request, response: web.StreamResponse) -> None:
-    """Add the headers that all answers have, also those of addresses and methods that do not exist."""
+    """Add the headers of all answers, also of those to paths and methods that do not exist."""
     response.headers.update(_HEADERS)

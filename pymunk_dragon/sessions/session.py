@@ -1,4 +1,4 @@
-"""A session: a scene that is stepped in real time, its clients, and the recording of what they did to it."""
+"""A session: a scene that is stepped in real time, its clients, and the recording of inputs."""
 
 from __future__ import annotations
 
@@ -42,30 +42,31 @@ from pymunk_dragon.web.frames import without_nan
 
 _Answer = Callable[[dict[str, Any]], object]
 
-# s. Longest step that a program may make.
+# Longest step that a program may make, s.
 MAX_STEP = 10.0
 # Messages that may wait: more than clients send while a large scene is built.
 _MAX_WAITING = 1000
-# s that a thread waits at once: on Windows, Ctrl-C takes effect only between two waits.
+# Longest time that a thread waits at once, s: on Windows, Ctrl-C takes effect only between waits.
 _MAX_WAIT = 0.1
-# s to wait for the end of the session's thread, which a function of the user's may hold.
+# Longest wait for the end of the session's thread, s: a function of the user's may hold it.
 _PATIENCE = 0.5
 # Calls of a traceback that the page shows: the last ones of the user's.
 _TRACE_CALLS = 3
-# Files that are not the user's.
-_LIBRARIES = (str(Path(__file__).parents[1]), str(Path(pymunk.__file__).parent))
+# Folders of files that are not the user's: this package's, and Pymunk's.
+_PACKAGE = str(Path(__file__).parents[1])
+_PYMUNK = str(Path(pymunk.__file__).parent)
 
 
 class Session:
     """A scene in motion, with its clients.
 
     `turn` makes all progress. A thread calls it after `start`; a program with a loop of its own
-    calls `step`, which calls it; without threads, call it again after the time that it returns, or
-    when a client has sent a message.
+    calls `step`, which calls `turn`; without threads, call `turn` again after the time that it
+    returns, or when a client has sent a message.
 
-    There is one lock, `held`, while a turn is made: a program that holds it may change the space.
-    `Clients` and `Waiting` each have a lock of their own, while which is held no other of these is
-    taken.
+    The lock `held` is held while a turn is made: a program that holds it may change the space.
+    `Clients` and `Waiting` each have a lock of their own; no other lock is taken while one of these
+    two is held.
     """
 
     def __init__(
@@ -77,7 +78,7 @@ class Session:
         now: Callable[[], float] = perf_counter,
     ) -> None:
         self._own = source
-        # Values of sliders with which the scene of one's own begins.
+        # Values of sliders with which the scene `source` begins.
         self._first = dict(log["values"]) if log else {}
         self.clients = Clients()
         self.generation = 0
@@ -93,7 +94,7 @@ class Session:
         # Whether a step was made, and its error, for a program that makes the steps itself.
         self._step_made = False
         self._step_error: Exception | None = None
-        # s. Time that the last step took.
+        # Time that the last step took, s.
         self._step_seconds = 0.0
 
         self._replay: Replay | None = None
@@ -101,6 +102,7 @@ class Session:
         self._replayed: Future[float | None] = Future()
         # Prepares the space of the scene for being freed.
         self._discard: Callable[[], None] = _nothing
+
         self._build(source, self._first)
         if log:
             self._replay = Replay(log)
@@ -111,26 +113,26 @@ class Session:
 
     def start(self) -> None:
         """Call `turn` in a thread, unless a program makes the steps."""
-        if self.scene.settings.step is not None:
+        if not self.scene.manual:
             self._thread = threading.Thread(
                 target=self._run, name="pymunk-dragon live", daemon=True
             )
             self._thread.start()
 
     def step(self, length: float) -> None:
-        """Make a step of a program that makes the steps itself, when it is due: messages and frames go on meanwhile.
+        """Make a step of a program that makes the steps itself, when the step is due.
 
-        An error in the step is raised here, and does not pause the session, which nobody might
-        resume.
+        Messages and frames go on meanwhile. An error in the step is raised here, and does not
+        pause the session, which nobody might resume.
         """
-        if self.scene.settings.step is not None:
-            raise ParameterError(
-                "step", self.scene.settings.step, "None for a program that makes the steps itself"
-            )
-        self.scene.step_length = finite("dt", length, 0, MAX_STEP, "s")
-        if not self.scene.steps:
+        scene = self.scene
+        if not scene.manual:
+            bound = "None for a program that makes the steps itself"
+            raise ParameterError("step", scene.settings.step, bound)
+        scene.step_length = finite("dt", length, 0, MAX_STEP, "s")
+        if not scene.steps:
             # Now the program has opened its window and filled its space.
-            self.scene.fit()
+            scene.fit()
             self._describe()
 
         self._step_made = False
@@ -140,16 +142,20 @@ class Session:
                 break
             self._wait(seconds)
 
-        error, self._step_error = self._step_error, None
+        error = self._step_error
+        self._step_error = None
         if error is not None:
             raise error
 
     def stop(self) -> None:
-        """End the thread, and what clients see; a thread that a function of the user's holds ends after it."""
+        """End the thread, and what clients see.
+
+        A thread that a function of the user's holds ends when that function returns.
+        """
         self._ended.set()
         self.call(_nothing)
         if self._thread is None:
-            if self.scene.settings.step is not None:
+            if not self.scene.manual:
                 self._discard()
         elif self._thread is not threading.current_thread():
             self._thread.join(_PATIENCE)
@@ -157,7 +163,10 @@ class Session:
             client.stop()
 
     def join(self, client: Client) -> None:
-        """Send a client all messages and frames from now on: first the scene, and the error by which it is paused."""
+        """Send a client all messages and frames from now on.
+
+        First come the scene, and the error by which it is paused.
+        """
         self.clients.join(client)
         self.call(_nothing)
         if self._ended.is_set():
@@ -169,19 +178,19 @@ class Session:
         self.call(partial(self._let_go, client))
 
     def receive(self, client: Client, message: Message) -> None:
-        """Have a message take effect before the next step; the client gets the error if it cannot."""
+        """Have a message take effect before the next step, or send the client the error."""
         if len(self._waiting) >= _MAX_WAITING:
-            raise ParameterError(
-                "message", message.do, f"sent while fewer than {_MAX_WAITING} wait"
-            )
-        self._waiting.add(partial(self._take, message, client.tell, client), message.key())
+            bound = f"sent while fewer than {_MAX_WAITING} wait"
+            raise ParameterError("message", message.do, bound)
+        action = partial(self._take, message, client.tell, client)
+        self._waiting.add(action, message.key())
 
     def call(self, action: Callable[[], object]) -> None:
         """Have something done in the session's thread, between two steps."""
         self._waiting.add(action)
 
     def state(self) -> dict[str, Any]:
-        """Return what changes now and then."""
+        """What changes now and then."""
         own = {
             "generation": self.generation,
             "running": self.clock.running,
@@ -193,12 +202,15 @@ class Session:
         return own | dict(without_nan(self.scene.state()))
 
     def log(self) -> Log:
-        """Return what was done since the scene was built."""
+        """What was done since the scene was built."""
         with self.held:
             return self._recording.log(self.scene)
 
     def wait_for_replay(self) -> float | None:
-        """Wait for the end of a replay; return the difference of its last poses, m or rad, or None without an end."""
+        """Wait for the end of a replay, and return the difference of its last poses, m or rad.
+
+        The result is None if the replay does not come to its end.
+        """
         while True:
             with suppress(TimeoutError):
                 return self._replayed.result(_MAX_WAIT)
@@ -222,6 +234,7 @@ class Session:
 
             now = self.clock.read()
             step_is_due = self.clock.step_is_due(now)
+            # A picture that is due shows the state before the step.
             if self.clients and self.clock.frame_is_due(now, before_step=step_is_due):
                 self._show(now)
             if step_is_due:
@@ -229,7 +242,7 @@ class Session:
             return self.clock.wait(with_frames=bool(self.clients))
 
     def _run(self) -> None:
-        """Take turns until the session is stopped, also by `sys.exit` in a function of the user's."""
+        """Take turns until the session is stopped, also by `sys.exit` in the user's code."""
         try:
             with suppress(SystemExit):
                 while not self._ended.is_set():
@@ -242,16 +255,17 @@ class Session:
 
     def _wait(self, seconds: float) -> None:
         """Wait so many s, or for a message."""
-        # At least for a moment: a program that waits for `held` would get it late, or never.
+        # Without this pause, a program that waits for `held` would get it late, or never.
         sleep(0)
         if seconds > 0:
             self._waiting.wait(min(seconds, _MAX_WAIT))
 
     def _step(self) -> None:
-        scene, begin = self.scene, self.clock.read()
-        with self._watched(own_step=scene.settings.step is None):
+        scene = self.scene
+        begin = self.clock.read()
+        with self._watched(own_step=scene.manual):
             if self._replay is not None:
-                # A replay goes on after a stop, as the recorded session did.
+                # A replay does not pause where the scene stops: the recorded session went on there.
                 difference = self._replay.step(scene, self._recording)
                 if difference is not None:
                     self.clock.pause()
@@ -261,8 +275,10 @@ class Session:
                 if scene.stops:
                     self.clock.pause()
             scene.stops = False
+
             self._step_seconds = self.clock.read() - begin
             self._tell_events(begin)
+
         self.clock.step_was_made(scene.step_length)
         self._step_made = True
 
@@ -278,9 +294,10 @@ class Session:
 
     @contextmanager
     def _watched(self, answer: _Answer | None = None, own_step: bool = False) -> Iterator[None]:
-        """Context in which an error pauses the session, and is shown; one of this package's is a message's answer.
+        """Context in which an error pauses the session, and is shown to clients.
 
-        In a step of a program that makes the steps itself, it is kept for that program.
+        An error of this package's goes to `answer`, if there is one. An error in a step of a
+        program that makes the steps itself is kept for that program.
         """
         try:
             with callbacks_raise():
@@ -296,13 +313,14 @@ class Session:
                 self._fail(error)
 
     def _fail(self, error: Exception) -> None:
-        """Pause at an error, and end a replay; a program that makes the steps itself would wait for ever."""
-        if self.scene.settings.step is not None:
+        """Pause at an error, and end a replay."""
+        # A program that makes the steps itself would wait for ever.
+        if not self.scene.manual:
             self.clock.pause()
         self._end_replay(DragonError(f"the replay ends at step {self.scene.steps}: {error}"))
 
     def _show(self, now: float) -> None:
-        """Send clients the state if it changed, and a frame, now and then with values for charts."""
+        """Send clients the state, if it changed, and a frame, sometimes with values for charts."""
         self.clients.tell_state(self.state())
         header: dict[str, Any] = {
             "generation": self.generation,
@@ -339,7 +357,7 @@ class Session:
             "generation": self.generation,
             "scenes": [{"name": each.name, "title": each.title} for each in known.values()],
             "replays": source.saved_as is not None,
-            "resets": self.scene.settings.step is not None,
+            "resets": not self.scene.manual,
             "given": source.given,
             "name": source.name,
             "title": source.title,
@@ -349,7 +367,7 @@ class Session:
         self.clients.tell_scene(without_nan(about | self.scene.to_dict()))
 
     def _let_go(self, client: Client) -> None:
-        """Release what a client holds that has left; an error is nobody's."""
+        """Release what a client holds that has left; nobody gets an error of it."""
         for message in self._holds.leave(client):
             self._take(message, _ignored, client)
 
@@ -370,19 +388,14 @@ class Session:
                 case Speed():
                     self.clock.speed = message.value
                 case ChangeScene():
-                    self._begin(
-                        self._own if message.name == self._own.name else named_scene(message.name)
-                    )
+                    is_own = message.name == self._own.name
+                    self._begin(self._own if is_own else named_scene(message.name))
                     self.clock.play()
                 case Reset():
                     self._begin(self.source)
-                case Set() if (
-                    slider := self.scene.parameters.get(message.name)
-                ) and slider.rebuilds:
-                    self._build(
-                        self.source,
-                        self._recording.values | {slider.name: slider.checked(message.value)},
-                    )
+                case Set() if self.scene.rebuilds(message.name):
+                    value = self.scene.parameters[message.name].checked(message.value)
+                    self._build(self.source, self._recording.values | {message.name: value})
                 case Input():
                     if self._holds.allows(client, message):
                         self._recording.apply(self.scene, message)
@@ -391,13 +404,11 @@ class Session:
     def _check(self, message: Message) -> None:
         """Raise an error if a message cannot take effect in this session."""
         if isinstance(message, Input) and (self._replay is not None or self._recording.is_full):
-            raise ParameterError(
-                "message", message.do, f"sent after a replay, and one of {MAX_INPUTS} inputs"
-            )
-        if isinstance(message, ChangeScene | Reset) and self.scene.settings.step is None:
-            raise ParameterError(
-                "message", message.do, "another one: this program builds its space itself"
-            )
+            bound = f"sent after a replay, and one of {MAX_INPUTS} inputs"
+            raise ParameterError("message", message.do, bound)
+        if isinstance(message, ChangeScene | Reset) and self.scene.manual:
+            bound = "another one: this program builds its space itself"
+            raise ParameterError("message", message.do, bound)
 
     def _begin(self, source: SceneSource) -> None:
         """Begin anew, with the first values of all sliders."""
@@ -417,6 +428,7 @@ class Session:
         self.scene = scene
         self._recording = Recording(source.saved_as, values)
         self.generation += 1
+
         self._end_replay(None)
         self.clock.single_steps = 0
         self.clients.forget_failure()
@@ -425,11 +437,11 @@ class Session:
         self._describe()
 
     def _discard_old_scene(self, source: SceneSource, scene: Scene) -> None:
-        """Prepare the space of the scene before this one for being freed, if this one has another."""
+        """Prepare the space of the old scene for being freed, if the new one has another space."""
         if self.generation and self.scene.space is not scene.space:
             self._discard()
         if source.given:
-            # It belongs to the user, whose program may go on with it.
+            # The space belongs to the user, whose program may go on with it.
             self._discard = _nothing
         else:
             self._discard = partial(discard, scene.space, callbacks(scene.space))
@@ -444,14 +456,21 @@ def _ignored(error: dict[str, Any]) -> None:
 
 
 def _described(error: Exception) -> dict[str, Any]:
-    """Return an exception as a message: of one in the user's functions also the end of the traceback, and the line."""
+    """An exception as a message.
+
+    An exception in a function of the user's has its line and the end of the traceback in addition.
+    """
     if isinstance(error, DragonError):
         return {"kind": "error", "text": str(error)}
+
     frames = traceback.extract_tb(error.__traceback__)
-    own = [frame for frame in frames if not frame.filename.startswith(_LIBRARIES)] or frames
-    place = f"{Path(own[-1].filename).name}, line {own[-1].lineno}: {own[-1].line}"
+    own = [frame for frame in frames if not frame.filename.startswith((_PACKAGE, _PYMUNK))]
+    own = own or frames
+    last = own[-1]
+    place = f"{Path(last.filename).name}, line {last.lineno}: {last.line}"
     trace = "".join(traceback.format_list(own[-_TRACE_CALLS:]))
-    text = f"{type(error).__name__}: {error}" + "".join(
-        f" ({note})" for note in getattr(error, "__notes__", ())
-    )
+
+    text = f"{type(error).__name__}: {error}"
+    for note in getattr(error, "__notes__", ()):
+        text += f" ({note})"
     return {"kind": "error", "text": text, "place": place, "trace": trace}

@@ -1,4 +1,7 @@
-"""A live session as a widget of a notebook: frames and messages go over the kernel's own channel, without a port."""
+"""A live session as a widget of a notebook, without a port.
+
+Frames and messages go over the kernel's own channel.
+"""
 
 from __future__ import annotations
 
@@ -20,18 +23,19 @@ from pymunk_dragon.web.html import asset, data_address
 
 # Frames on the way to the page, at most; the page acknowledges every third one.
 MOST_FRAMES = 6
-# s without a message, of which the page sends one every 5 s, after which nothing is sent: queues
-# have no bound.
+# Time without a message from the page, s, after which nothing is sent, as queues have no bound. A
+# page sends a message every 5 s.
 SILENCE = 15.0
 # What the widget sends for the page.
 REQUEST = "page"
 
 
 class LiveWidget(Client, AnyWidget):
-    """The page of a session, in a frame; a text from it is a message, a number that of a frame that it has drawn.
+    """The page of a session, in a frame.
 
-    The notebook stores the traits that are synchronized: the page is none, and is sent when the
-    widget requests it.
+    A text from the page is a message; a number is that of a frame that the page has drawn.
+    The notebook stores the traits that are synchronized: the page is not one of them, and is sent
+    when the widget requests it.
     """
 
     _esm = asset(__package__, "assets/widget.js")
@@ -41,24 +45,28 @@ class LiveWidget(Client, AnyWidget):
     def __init__(self, session: Session) -> None:
         super().__init__()
         self.still = f"live-{self.model_id}"
-        # In the language of the caller, which other threads do not have.
+        # The page has the language of the caller, which other threads do not have.
         self._page, _ = live_page(session.source.title, language())
         self.session = session
         self._heard = 0.0
         self._sent = self._drawn = 0
-        # That of the page's newest message.
+        # The context of the page's newest message.
         self._context = copy_context()
         self.on_msg(self._receive)
 
     def shown(self) -> Any:
-        """Display a picture of the present state, which remains in the notebook, and return the page as a bundle."""
+        """Display a picture of the present state, and return the page as a bundle.
+
+        The picture remains in the notebook.
+        """
         scene = self.session.scene
+        y_down = scene.settings.y_down
         with self.session.held:
-            content = still(
-                scene.space, scene.field, y_down=scene.settings.y_down, flags=scene.drawn
-            )
-        picture = f'<img class="{self.still}" alt="A live session" src="{data_address(content, "image/png")}">'
-        # In an output of its own: JupyterLab shows no other part of one whose widget is gone.
+            content = still(scene.space, scene.field, y_down=y_down, flags=scene.drawn)
+        source = data_address(content, "image/png")
+        picture = f'<img class="{self.still}" alt="A live session" src="{source}">'
+        # The picture has an output of its own: JupyterLab shows nothing else of an output whose
+        # widget is gone.
         display({"text/html": picture, "text/plain": self.session.source.title}, raw=True)
         return self._repr_mimebundle_()
 
