@@ -90,13 +90,13 @@ class Frames:
     fps: int
 
     def durations(self, ticks: int) -> list[int]:
-        """Return how long each frame is shown, in units of 1 / `ticks` s, such that rounding does not accumulate."""
+        """Durations of the frames, in units of 1 / `ticks` s, whose rounding does not accumulate."""
         ends = [round(end * ticks) for end in self.ends]
-        return [end - start for start, end in zip([0, *ends], ends, strict=False)]
+        return np.diff(ends, prepend=0).tolist()
 
 
 def written_size(ending: str, size: tuple[int, int]) -> tuple[int, int]:
-    """Return the size, pixels, of pictures of a size in a file with an ending.
+    """Size, pixels, of pictures of a size in a file with an ending.
 
     An MP4 has colours at half of the resolution, so its sizes are even.
     """
@@ -116,7 +116,8 @@ def _write_gif(path: Path, frames: Frames) -> None:
     before: Image.Image | None = None
     with path.open("wb") as file:
         for picture, delay in zip(frames.pictures, frames.durations(100), strict=True):
-            shown, box = picture.copy(), (0, 0, *frames.size)
+            shown = picture.copy()
+            box = (0, 0, *frames.size)
             if before is None:
                 file.writelines(GifImagePlugin.getheader(shown, info={"loop": 0})[0])
             else:
@@ -186,7 +187,7 @@ def _repeated(frames: Frames, counts: Sequence[int]) -> Iterator[np.ndarray[Any,
 
 
 def _frame_count(path: Path) -> int:
-    """Return the number of frames in the index of an MP4; 0 if the file is not complete.
+    """Number of frames in the index of an MP4; 0 if the file is not complete.
 
     FFmpeg writes the index last, although it is before the data. So an index before complete data
     proves that FFmpeg succeeded, and no frame needs to be decoded.
@@ -206,7 +207,7 @@ def _frame_count(path: Path) -> int:
 
 
 def _box(file: BinaryIO, kind: bytes, begin: int, end: int) -> tuple[int, int]:
-    """Return where the content of the first box of a kind in a part of an MP4 begins and ends.
+    """Begin and end of the content of the first box of a kind in a part of an MP4.
 
     A `ValueError` is raised if there is none.
     """
