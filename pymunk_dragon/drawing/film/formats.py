@@ -90,7 +90,7 @@ class Frames:
     fps: int
 
     def durations(self, ticks: int) -> list[int]:
-        """Durations of the frames, in units of 1 / `ticks` s, whose rounding does not accumulate."""
+        """Durations of the frames, in 1 / `ticks` s, whose rounding does not accumulate."""
         ends = [round(end * ticks) for end in self.ends]
         return np.diff(ends, prepend=0).tolist()
 
