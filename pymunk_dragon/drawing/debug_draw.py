@@ -360,8 +360,9 @@ def _paint(draw: ImageDraw.ImageDraw, view: pymunk.Transform, line: float, call:
     inner = _around(corners, headings, inside + _HOLE_INSET if inside > 0 else inside, roundness)
     draw.polygon(_ring(edge, outer, inner, width), outline)
     if call.name == "circle":
-        tip = pymunk.Vec2d(*call.points[0]) + pymunk.Vec2d.from_polar(call.radius, call.angle)
-        _paint_line(draw, [points[0], view @ tip], width, outline)
+        centre = pymunk.Vec2d(*call.points[0])
+        tip = view @ (centre + pymunk.Vec2d.from_polar(call.radius, call.angle))
+        _paint_line(draw, [points[0], tip], width, outline)
 
 
 def _paint_line(
@@ -380,9 +381,10 @@ def _paint_line(
     for begin, move, size in ((x, x_move, picture_width), (y, y_move, picture_height)):
         # A line that is parallel to an axis cannot leave the picture along the other one.
         move = move or math.ulp(0.0)
-        enter, leave = sorted(((-2 * width - begin) / move, (size + 2 * width - begin) / move))
-        first = max(first, enter)
-        last = min(last, leave)
+        low = (-2 * width - begin) / move
+        high = (size + 2 * width - begin) / move
+        first = max(first, min(low, high))
+        last = min(last, max(low, high))
     if first < last and ends[0] != ends[1]:
         shown = [(x + part * x_move, y + part * y_move) for part in (first, last)]
         draw.polygon(strokes.line(shown[0], shown[1], width), colour)

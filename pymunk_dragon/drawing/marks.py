@@ -225,7 +225,8 @@ def _draw_grid(layer: Layer) -> None:
     width, height = layer.image.size
     columns = np.arange(left % cell, width, cell).tolist()
     rows = np.arange(top % cell, height, cell).tolist()
-    lines = [(x, 0, x, height) for x in columns] + [(0, y, width, y) for y in rows]
+    lines = [(x, 0, x, height) for x in columns]
+    lines += [(0, y, width, y) for y in rows]
     for line in lines:
         draw.line(line, fill=(*colour, _LINE_TINT), width=BLOCK)
 

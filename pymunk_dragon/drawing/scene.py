@@ -86,7 +86,8 @@ class Scene:
         kinds = set[str]()
         half = np.array(self.size) / self.scale / 2
         for time, poses in samples:
-            offsets = poses[:, :2] - (poses[0, :2] if self.follow == "head" else self.centre)
+            middle = poses[0, :2] if self.follow == "head" else self.centre
+            offsets = poses[:, :2] - middle
             seen = np.flatnonzero(np.all(np.abs(offsets) < half, axis=1))
             special = _special(len(poses), self._contact_at(time))
             kinds |= {special.get(bench, "body") for bench in seen.tolist()}
@@ -112,8 +113,9 @@ class Scene:
                 _draw_ring(layer, point)
 
         if self.beside and self.factor and self.beside.times[0] <= time <= self.beside.times[-1]:
-            errors = self.beside.poses_at([time])[0, :, :2] - poses[:, :2]
-            layer.arrows(poses[:, :2], self.factor * errors)
+            exact = poses[:, :2]
+            errors = self.beside.poses_at([time])[0, :, :2] - exact
+            layer.arrows(exact, self.factor * errors)
         draw_overlays(layer, self.show)
         speed = float(self.source.march.speed_profile.at(time))
         right = text("head {:.2f} m/s").format(speed)
@@ -165,7 +167,8 @@ class Scene:
         changes = np.diff(seen.astype(np.int8), prepend=0, append=0)
         curve_width = max(1, round(_CURVE_WIDTH * layer.dragon.widths.min() * layer.scale))
         for first, last in np.flatnonzero(changes).reshape(-1, 2).tolist():
-            points = np.floor(layer.pixels(self._curve[first:last])).ravel().tolist()
+            visible = layer.pixels(self._curve[first:last])
+            points = np.floor(visible).ravel().tolist()
             draw.line(points, fill=COLOURS.curve, width=curve_width)
 
         for x, y, radius in self.source.march.curve.circles:
@@ -219,7 +222,8 @@ def _draw_benches(layer: Layer, contact: Contact | None) -> None:
     dragon = layer.dragon
     poses = layer.poses
     special = _special(dragon.benches, contact)
-    seen = np.flatnonzero(layer.holds(poses[:, :2], float(dragon.lengths.max())))[::-1]
+    longest = float(dragon.lengths.max())
+    seen = np.flatnonzero(layer.holds(poses[:, :2], longest))[::-1]
 
     # ImageDraw also fills the pixels on a polygon's edge, so every side is inset by half a pixel.
     lengths = dragon.lengths[seen] - 1 / layer.scale

@@ -76,9 +76,11 @@ def _spiral(source: FigureSource) -> Figure:
     axes = panels(figure)
 
     walked = source.path(start, start + gone)
-    axes.plot(*walked.T, color=BLUE, lw=1.8, gid="walked", label=text("the march of handle 0"))
+    name = text("the march of handle 0")
+    axes.plot(*walked.T, color=BLUE, lw=1.8, gid="walked", label=name)
     # At most ten whole minutes.
-    minutes = np.arange(0, end / 60, max(1, np.ceil(end / 600)))
+    step = max(1, np.ceil(end / 600))
+    minutes = np.arange(0, end / 60, step)
     dots = curve.point(start + march.distance(60 * minutes))
     name = text("numbers: minutes")
     axes.plot(*dots.T, "o", color=COLOURS.ink, ms=13, gid="minutes", label=name)
@@ -173,7 +175,8 @@ def _grid(source: FigureSource) -> Figure:
     kinds = _kinds_of_cells(filed - first, benches, last - first + 1)
     colours = ListedColormap([COLOURS.background, FAINT, SHARED, CANDIDATE])
     # The axes are column and row: a cell's indices are at its middle.
-    y, x = (np.arange(begin, end + 2) - 0.5 for begin, end in zip(first, last, strict=True))
+    x = np.arange(first[1], last[1] + 2) - 0.5
+    y = np.arange(first[0], last[0] + 2) - 0.5
     lines: dict[str, Any] = {"edgecolor": RULE, "lw": 0.6, "gid": "cells"}
     axes.pcolormesh(x, y, kinds, cmap=colours, vmin=0, vmax=3, **lines)
 
@@ -224,7 +227,8 @@ def _inward(source: FigureSource) -> tuple[Run, Film]:
     tangents = source.march.curve.tangent(source.march.handles_s(times))
     x, y = np.moveaxis(tangents, -1, 0)
     angles = np.unwrap(np.arctan2(y, x), axis=1)
-    closed = np.abs(angles[:, 0] - angles[:, -1]) >= 2 * np.pi
+    turned = np.abs(angles[:, 0] - angles[:, -1])
+    closed = turned >= 2 * np.pi
     # Half-way if the loop is always or never closed.
     time = float(times[closed.argmax() or 1000])
     return _still(source, time, text("{} benches on the path"))
@@ -253,8 +257,8 @@ def _gap(source: FigureSource) -> Figure:
     benches = march.dragon.benches
     if benches < 3:
         raise ParameterError("benches", benches, "3 or more: neighbours have no gap")
-    shown = _GAP_LENGTHS * march.dragon.lengths[0]
-    since = max(source.begin, float(march.time(march.distance(hit.time) - shown)))
+    begin = march.distance(hit.time) - _GAP_LENGTHS * march.dragon.lengths[0]
+    since = max(source.begin, float(march.time(begin)))
     later = [miss for miss in hit.near_misses or () if miss.time > since]
     misses = [miss for miss in later if miss.benches[0] == 0]
     title = text("How near the head comes to other benches than its neighbour")
@@ -287,7 +291,8 @@ def _gap(source: FigureSource) -> Figure:
         note = note.format(miss.benches[1], 1e3 * miss.gap, miss.time)
         axes.plot(miss.time, miss.gap, marker, color=COLOURS.ink, ms=6, label=note)
     if hit.contact:
-        note = text("bench {}: contact\nat {:.4f} s").format(hit.contact.benches[1], hit.time)
+        bench = hit.contact.benches[1]
+        note = text("bench {}: contact\nat {:.4f} s").format(bench, hit.time)
         last: dict[str, Any] = {"color": COLOURS.contact, "ms": 8, "clip_on": False}
         axes.plot(hit.time, _MIN_GAP, "X", label=note, **last)
     if misses or hit.contact:
@@ -319,7 +324,8 @@ def _drift(source: FigureSource) -> Figure:
     axes = panels(figure)
 
     # Without the first frame, whose position error is 0.
-    frames = np.unique(np.linspace(1, len(run.times) - 1, 600).astype(np.intp))
+    even = np.linspace(1, len(run.times) - 1, 600)
+    frames = np.unique(even.astype(np.intp))
     times = run.times[frames]
     errors = run.drift[frames]
     name = text("largest of all")
@@ -331,13 +337,14 @@ def _drift(source: FigureSource) -> Figure:
 
     # An engine with a position error as large as the smallest gap can find the wrong first contact.
     begin, end = run.times[[0, -1]]
-    gaps = [miss.gap for miss in source.hit.near_misses or () if begin <= miss.time <= end]
-    if gaps:
-        note = text("smallest gap: {}").format(metres(min(gaps)))
+    misses = source.hit.near_misses or ()
+    gap = min((miss.gap for miss in misses if begin <= miss.time <= end), default=0.0)
+    if gap:
+        note = text("smallest gap: {}").format(metres(gap))
         dots: dict[str, Any] = {"color": COLOURS.ink, "lw": 1.2, "ls": ":"}
-        axes.axhline(min(gaps), gid="smallest-gap", label=note, **dots)
+        axes.axhline(gap, gid="smallest-gap", label=note, **dots)
     high = 10.0 ** np.ceil(np.log10(run.max_drift))
-    logarithmic(axes, "m", 1e-4 * high, max(high, 2 * min(gaps, default=0.0)))
+    logarithmic(axes, "m", 1e-4 * high, max(high, 2 * gap))
     axes.set(xlim=(begin, end), xlabel=text("time (s)"))
     axes.legend(**BESIDE)
     return figure
@@ -358,7 +365,8 @@ def _impulses(source: FigureSource) -> Figure:
         bound = "a run of `simulate` with a frame before the contact"
         raise ParameterError("run", "one without joint forces", bound)
 
-    rows = np.unique(np.searchsorted(times, _several_times(times[0], times[-1])))
+    several = _several_times(times[0], times[-1])
+    rows = np.unique(np.searchsorted(times, several))
     title = text("The joints carry up to {:.2f} N").format(forces[rows].max())
     subtitle = text("force in every joint, N: the mean over a substep of {:g} ms")
     figure = slide(title, subtitle.format(1e3 * run.substep))

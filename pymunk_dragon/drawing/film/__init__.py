@@ -97,7 +97,8 @@ def render(
     layout = Layout(takes, timing.times, film)
     pictures = passed_on(layout.frames() if still else layout.pictures(progress))
     size = written_size(ending, layout.size)
-    frames = Frames(pictures=pictures, ends=timing.ends.tolist(), size=size, fps=timing.fps)
+    ends = timing.ends.tolist()
+    frames = Frames(pictures=pictures, ends=ends, size=size, fps=timing.fps)
     with written_in_place(destination) as draft:
         if still:
             draft.write_bytes(_png(next(pictures)))

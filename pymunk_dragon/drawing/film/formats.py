@@ -89,6 +89,12 @@ class Frames:
     size: tuple[int, int]
     fps: int
 
+    def pixels(self, mode: str) -> Iterator[np.ndarray[Any, Any]]:
+        """Yield the pixels of each frame, cropped to the size, in a mode of Pillow."""
+        for picture in self.pictures:
+            cropped = picture.crop((0, 0, *self.size))
+            yield np.asarray(cropped.convert(mode))
+
     def durations(self, ticks: int) -> list[int]:
         """Durations of the frames, in 1 / `ticks` s, whose rounding does not accumulate."""
         ends = [round(end * ticks) for end in self.ends]
@@ -122,7 +128,8 @@ def _write_gif(path: Path, frames: Frames) -> None:
                 file.writelines(GifImagePlugin.getheader(shown, info={"loop": 0})[0])
             else:
                 change = ImageChops.subtract_modulo(picture, before)
-                shown.paste(_TRANSPARENT, mask=change.point([255, *(0,) * 255], "1"))
+                unchanged = change.point([255, *(0,) * 255], "1")
+                shown.paste(_TRANSPARENT, mask=unchanged)
                 # A frame that is equal is one pixel.
                 box = change.getbbox() or (0, 0, 1, 1)
             # Pillow takes the delay in ms.
@@ -180,8 +187,7 @@ def _write_mp4(path: Path, frames: Frames) -> None:
 
 def _repeated(frames: Frames, counts: Sequence[int]) -> Iterator[np.ndarray[Any, Any]]:
     """Yield the pixels (H, W, 3) of each frame as often as `counts` (F,) says."""
-    for picture, count in zip(frames.pictures, counts, strict=True):
-        pixels = np.asarray(picture.crop((0, 0, *frames.size)).convert("RGB"))
+    for pixels, count in zip(frames.pixels("RGB"), counts, strict=True):
         for _ in range(count):
             yield pixels
 
@@ -239,8 +245,8 @@ def _write_webp(path: Path, frames: Frames) -> None:
         raise ParameterError("size", frames.size, bound)
 
     pixels = np.empty((count, height, width, _WEBP_PIXEL), np.uint8)
-    for frame, picture in zip(pixels, frames.pictures, strict=True):
-        frame[:] = np.asarray(picture.crop((0, 0, *frames.size)).convert("RGBA"))
+    for kept, drawn in zip(pixels, frames.pixels("RGBA"), strict=True):
+        kept[:] = drawn
 
     writer = iio.imopen("<bytes>", "w", plugin="pillow", extension=".webp")
     try:

@@ -71,12 +71,14 @@ class Layout:
         above = lettering.wrapped(film.title, round(_TITLE_SCALE * letters), total)
         if headings:
             lines = [lettering.line(heading, letters) for heading in headings]
-            above.append(_row([_row([line], width + _GUTTER) for line in lines], total))
+            cells = [_row([line], width + _GUTTER) for line in lines]
+            above.append(_row(cells, total))
         below = _legend(self.scenes, samples, total, letters) if has_legend else []
         below += lettering.wrapped(film.caption, letters, total)
 
         # What the scenes leave free is the line between them.
-        parts = [*above, Image.new("RGB", (total, height), COLOURS.curve), *below]
+        middle = Image.new("RGB", (total, height), COLOURS.curve)
+        parts = [*above, middle, *below]
         *tops, bottom = accumulate((part.height for part in parts), initial=0)
         self._top = tops[len(above)]
         self.size = total, bottom
@@ -110,8 +112,8 @@ class Layout:
 
 def _sampled(take: Take, times: Array) -> _Samples:
     """Samples of the states of a take over `times` (F,)."""
-    even = np.linspace(times[0], times[-1], min(_SAMPLES, len(times)))
-    return list(take.at(even))
+    count = min(_SAMPLES, len(times))
+    return list(take.at(np.linspace(times[0], times[-1], count)))
 
 
 def _scenes(
@@ -176,7 +178,8 @@ def _field(
 def _extent(take: Take, samples: _Samples) -> tuple[Array, Array]:
     """Lower left and upper right corner (2,), m, of the dragon's bounding box in samples."""
     dragon = take.march.dragon
-    corners = np.concatenate([dragon.outlines(poses).reshape(-1, 2) for _, poses in samples])
+    outlines = [dragon.outlines(poses) for _, poses in samples]
+    corners = np.concatenate(outlines).reshape(-1, 2)
     return corners.min(axis=0), corners.max(axis=0)
 
 
@@ -223,11 +226,11 @@ def _legend(
         "contact": text("in contact"),
     }
     seen = set[str]().union(*map(Scene.parts, scenes, samples))
-    entries = [
-        _entry(getattr(COLOURS, part), letters, letters // 2, name, letters)
-        for part, name in names.items()
-        if part in seen
-    ]
+    entries = []
+    for part, name in names.items():
+        if part in seen:
+            colour = getattr(COLOURS, part)
+            entries.append(_entry(colour, letters, letters // 2, name, letters))
     for scene in scenes:
         if scene.factor:
             name = text("position error x {factor:,.0f}").format(factor=scene.factor)
@@ -237,7 +240,8 @@ def _legend(
     scale = scenes[0].scale
     longest = _MAX_SCALE_BAR * scenes[0].size[0] / scale
     power = 10.0 ** math.floor(math.log10(longest))
-    metres = power * max(step for step in (1, 2, 5) if step * power <= longest * (1 + 1e-9))
+    most = longest * (1 + 1e-9)
+    metres = power * max(step for step in (1, 2, 5) if step * power <= most)
     entries.append(_entry(COLOURS.ink, round(metres * scale), 1, f"{metres:g} m", letters))
 
     lines = list[list[Image.Image]]([[]])

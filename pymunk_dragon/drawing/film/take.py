@@ -56,7 +56,8 @@ class Take(Snapshots):
         """First and last time, s, of the motion in the window: an ended run does not move."""
         if self.run is None:
             return self.window
-        start, until = np.clip(self.window, self.run.times[0], self.run.times[-1]).tolist()
+        times = self.run.times
+        start, until = np.clip(self.window, times[0], times[-1]).tolist()
         return start, until
 
     @property
@@ -141,10 +142,10 @@ def takes_in(
 
     `known` is the result of the search if it was made for the only source.
     """
-    takes = [
-        Take(march=each.march, run=each.run, window=window, beside=_beside(each, sources))
-        for each in sources
-    ]
+    takes = []
+    for each in sources:
+        beside = _beside(each, sources)
+        takes.append(Take(march=each.march, run=each.run, window=window, beside=beside))
 
     # A march and its runs share one search.
     searches: dict[int, FirstContact | None] = {}

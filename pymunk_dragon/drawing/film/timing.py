@@ -119,7 +119,8 @@ def _slowed(takes: Sequence[Take], film: Film) -> Array:
     # A film that would be too short plays more slowly, but not below half of real time.
     _, added = _film_times((start, until), math.inf, events)
     if added[-1] + duration / rate < _SHORTEST:
-        rate = max(duration / (_SHORTEST - float(added[-1])), min(rate, _SLOWEST))
+        needed = duration / (_SHORTEST - float(added[-1]))
+        rate = max(needed, min(rate, _SLOWEST))
 
     times, shown = _film_times((start, until), rate, events)
     count = max(1, round(shown[-1] * film.fps))
@@ -137,7 +138,8 @@ def _film_times(
     times = np.linspace(*window, _POINTS)
     film = (times - times[0]) / rate
     for event in events:
-        film += event.added / np.pi * np.arctan((times - event.time) / event.width)
+        sigmoid = np.arctan((times - event.time) / event.width)
+        film += event.added / np.pi * sigmoid
     return times, film - film[0]
 
 
