@@ -16,16 +16,20 @@ for a, b in [((0, 3), (0, 0)), ((0, 0), (5, 0)), ((5, 0), (5, 3))]:
     space.add(pymunk.Segment(ground, a, b, radius=0.1))
 for i in range(33):  # boxes and balls, dropped between two walls
     body = pymunk.Body()
-    body.position, body.angle = (0.65 + 0.75 * (i % 6), 0.5 + 0.7 * (i // 6)), i
+    body.position = 0.65 + 0.75 * (i % 6), 0.5 + 0.7 * (i // 6)
+    body.angle = i
     box = pymunk.Poly.create_box(body, (0.35 + 0.05 * (i % 7), 0.5), radius=0.03 * (i % 4))
     shape = box if i % 3 else pymunk.Circle(body, 0.16 + 0.02 * (i % 8))
-    shape.mass, shape.friction = 1, 0.6
+    shape.mass = 1
+    shape.friction = 0.6
     space.add(body, shape)
 for i in range(5):  # Newton's cradle, its last ball drawn aside
     body = pymunk.Body()
     body.position = (6 + 0.5 * i, 0.6) if i < 4 else (9.15, 0.89)
     ball = pymunk.Circle(body, 0.245)
-    ball.mass, ball.elasticity, ball.color = 1, 1, (241, 196, 15, 255)
+    ball.mass = 1
+    ball.elasticity = 1
+    ball.color = (241, 196, 15, 255)
     space.add(body, ball, pymunk.PinJoint(ground, body, (6 + 0.5 * i, 3)))
 for _ in range(600):
     space.step(0.005)
@@ -284,7 +288,7 @@ def extent(space: pymunk.Space) -> pymunk.BB:
         radius = call.radius if call.outline else 0
         for x, y in call.points:
             # Shapes with infinite coordinates are not drawn either.
-            if math.isfinite(x) and math.isfinite(y) and math.isfinite(radius):
+            if all(map(math.isfinite, (x, y, radius))):
                 box = box.merge(pymunk.BB.newForCircle((x, y), radius))
     return box
 

@@ -77,13 +77,12 @@ class Layer:
     def pixels(self, points: ArrayLike) -> Array:
         """Convert `points` (..., 2), m, to pixels right of and below the upper left corner."""
         middle = np.asarray(self.image.size) / 2
-        offsets = np.asarray(points, dtype=float) - self.centre
-        return offsets * (self.scale, -self.scale) + middle
+        return np.subtract(points, self.centre) * (self.scale, -self.scale) + middle
 
     def holds(self, points: ArrayLike, margin: float) -> NDArray[np.bool_]:
         """Whether each of `points` (..., 2), m, is in view or at most `margin` m outside."""
         half = np.asarray(self.image.size) / (2 * self.scale) + margin
-        distances = np.abs(np.asarray(points) - self.centre)
+        distances = np.abs(np.subtract(points, self.centre))
         return np.asarray(np.all(distances <= half, axis=-1))
 
     def disc(self, centre: Sequence[float], radius: float) -> None:

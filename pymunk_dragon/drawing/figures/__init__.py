@@ -113,12 +113,12 @@ def write_figure(name: str, path: str | Path, source: Run | March | None = None)
     >>> write_figure("spiral", "spiral.svg")
     """
     named = FIGURES[word("figure", name, FIGURES)]
-    destination = check_destination(path, STILL_ENDINGS if named.still else _FIGURE_ENDINGS)
     if named.still:
+        destination = check_destination(path, STILL_ENDINGS)
         run, film = named.draw(_figure_source(named, source))
         render(run, destination, film)
     else:
-        write_styled(lambda: named.draw(_figure_source(named, source)), destination)
+        write_styled(lambda: named.draw(_figure_source(named, source)), path)
 
 
 def write_styled(draw: Callable[[], Figure], path: str | Path) -> None:

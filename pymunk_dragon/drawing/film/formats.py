@@ -165,7 +165,7 @@ def _write_mp4(path: Path, frames: Frames) -> None:
             is_starting = False
             release()
 
-    # It warns of an FFmpeg that has ended early, which is an error here.
+    # imageio_ffmpeg warns of an FFmpeg that has ended early, which is an error here.
     getLogger("imageio_ffmpeg").setLevel(ERROR)
     try:
         # Signals that arrive while FFmpeg is started cannot be raised.
