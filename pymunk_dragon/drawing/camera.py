@@ -11,8 +11,10 @@ from pymunk_dragon._checks import finite, word
 Target = Literal["field", "head"]
 
 # m: bounds of the width of a view, which detect lengths in another unit. The least shows less than
-# two holes of a bench, the largest more ground than the longest dragon covers.
-_SPANS = 0.1, 1e5
+# two holes of a bench.
+_MIN_SPAN = 0.1
+# m: more ground than the longest dragon covers.
+_MAX_SPAN = 1e5
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,4 +42,4 @@ class Camera:
     def __post_init__(self) -> None:
         word("follow", self.follow, get_args(Target))
         if self.span is not None:
-            finite("span", self.span, *_SPANS, "m")
+            finite("span", self.span, _MIN_SPAN, _MAX_SPAN, "m")

@@ -16,16 +16,20 @@ for a, b in [((0, 3), (0, 0)), ((0, 0), (5, 0)), ((5, 0), (5, 3))]:
     space.add(pymunk.Segment(ground, a, b, radius=0.1))
 for i in range(33):  # boxes and balls, dropped between two walls
     body = pymunk.Body()
-    body.position, body.angle = (0.65 + 0.75 * (i % 6), 0.5 + 0.7 * (i // 6)), i
+    body.position = 0.65 + 0.75 * (i % 6), 0.5 + 0.7 * (i // 6)
+    body.angle = i
     box = pymunk.Poly.create_box(body, (0.35 + 0.05 * (i % 7), 0.5), radius=0.03 * (i % 4))
     shape = box if i % 3 else pymunk.Circle(body, 0.16 + 0.02 * (i % 8))
-    shape.mass, shape.friction = 1, 0.6
+    shape.mass = 1
+    shape.friction = 0.6
     space.add(body, shape)
 for i in range(5):  # Newton's cradle, its last ball drawn aside
     body = pymunk.Body()
     body.position = (6 + 0.5 * i, 0.6) if i < 4 else (9.15, 0.89)
     ball = pymunk.Circle(body, 0.245)
-    ball.mass, ball.elasticity, ball.color = 1, 1, (241, 196, 15, 255)
+    ball.mass = 1
+    ball.elasticity = 1
+    ball.color = (241, 196, 15, 255)
     space.add(body, ball, pymunk.PinJoint(ground, body, (6 + 0.5 * i, 3)))
 for _ in range(600):
     space.step(0.005)
@@ -52,7 +56,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import reduce
 from io import BytesIO
 from itertools import chain
 
@@ -77,7 +80,7 @@ _SAMPLES = 2
 # Drawn pixels: ImageDraw also fills the pixels on a polygon's edge, so every radius is smaller by
 # this.
 _EDGE_INSET = 0.4
-# Drawn pixels: the same of round outlines at their inner edge. A circle is larger by 1 / pi on
+# Drawn pixels: inset of round outlines at their inner edge. A circle is larger by 1 / pi on
 # average, and a hole is smaller by as much.
 _HOLE_INSET = 2 / math.pi - _EDGE_INSET
 # Drawn pixels: what reaches farther is not drawn, because ImageDraw has integers of 32 bits.
@@ -90,7 +93,9 @@ _SMALLEST = 1e-3
 
 @dataclass(slots=True)
 class DrawCall:
-    """What Pymunk draws for a shape, a constraint or a contact, in the space's units and its own colours, 0 to 255.
+    """What Pymunk draws for a shape, a constraint or a contact.
+
+    Lengths have the space's units, and colours are those of Pymunk, 0 to 255.
 
     `name` is "circle", "segment" or "polygon" for shapes, "line" or "dot" for constraints, and
     "contact". `points` has a centre, the ends of a line, or corners. The `radius` of a dot is in
@@ -108,15 +113,17 @@ class DrawCall:
 
 
 class DrawRecorder(pymunk.SpaceDebugDrawOptions):
-    """Recorder of Pymunk's debug drawing: `space.debug_draw(recorder)` makes a new list of `calls`, for any painter.
+    """Recorder of Pymunk's debug drawing, for any painter.
+
+    `space.debug_draw(recorder)` makes a new list of `calls`.
 
     Shapes are drawn where their bodies are now, also if these were moved since the last step;
     Pymunk (7.3.1) itself draws them where the step left them. Shapes of a static body stay where
     they are, and collide there, until `Space.reindex_shapes_for_body`. Drawing changes no run: the
     next step places the shapes again.
 
-    Chipmunk is written in C, and Python only prints an exception in a function that C calls. That
-    of a shape with a wrong `color` is raised by `debug_draw`.
+    Chipmunk is written in C, and Python only prints an exception in a function that C calls. The
+    exception of a shape with a wrong `color` is raised by `debug_draw`.
     """
 
     def __init__(self) -> None:
@@ -126,7 +133,7 @@ class DrawRecorder(pymunk.SpaceDebugDrawOptions):
         self._shape: pymunk.Shape | None = None
 
     def color_for_shape(self, shape: pymunk.Shape) -> Colour:
-        """Return the colour of the shape that Chipmunk draws next: its own colour, or that of its kind of body."""
+        """Colour of the shape that Chipmunk draws next: its own, or that of its kind of body."""
         self._shape = shape
         if shape.body is not None and shape.body.body_type != pymunk.Body.STATIC:
             # Chipmunk asks for the colour before it reads where the shape is.
@@ -142,9 +149,8 @@ class DrawRecorder(pymunk.SpaceDebugDrawOptions):
         self, pos: _Point, angle: float, radius: float, outline_color: Colour, fill_color: Colour
     ) -> None:
         """Record a circle with a line from its centre in the direction of `angle`."""
-        self.calls.append(
-            DrawCall("circle", (pos,), radius, fill_color, outline_color, angle, self._shape)
-        )
+        call = DrawCall("circle", (pos,), radius, fill_color, outline_color, angle, self._shape)
+        self.calls.append(call)
 
     def draw_segment(self, a: _Point, b: _Point, color: Colour) -> None:
         """Record a line of a constraint or, if it has the colour of collision points, a contact."""
@@ -155,17 +161,16 @@ class DrawRecorder(pymunk.SpaceDebugDrawOptions):
         self, a: _Point, b: _Point, radius: float, outline_color: Colour, fill_color: Colour
     ) -> None:
         """Record a segment with round ends."""
-        self.calls.append(
-            DrawCall("segment", (a, b), radius, fill_color, outline_color, 0.0, self._shape)
-        )
+        call = DrawCall("segment", (a, b), radius, fill_color, outline_color, 0.0, self._shape)
+        self.calls.append(call)
 
     def draw_polygon(
         self, verts: Sequence[_Point], radius: float, outline_color: Colour, fill_color: Colour
     ) -> None:
         """Record a convex polygon with corners rounded by a radius."""
-        self.calls.append(
-            DrawCall("polygon", tuple(verts), radius, fill_color, outline_color, 0.0, self._shape)
-        )
+        corners = tuple(verts)
+        call = DrawCall("polygon", corners, radius, fill_color, outline_color, 0.0, self._shape)
+        self.calls.append(call)
 
     def draw_dot(self, size: float, pos: _Point, color: Colour) -> None:
         """Record a disc of radius `size`, pixels."""
@@ -173,7 +178,9 @@ class DrawRecorder(pymunk.SpaceDebugDrawOptions):
 
     def __enter__(self) -> None:
         """Start recording, in the space's own coordinates."""
-        self.calls, self._error, self._shape = [], None, None
+        self.calls = []
+        self._error = None
+        self._shape = None
         self._view = self.transform
         self.transform = pymunk.Transform.identity()
 
@@ -209,7 +216,8 @@ class PillowDrawOptions(DrawRecorder):
     >>> from PIL import Image
     >>> from pymunk_dragon import PillowDrawOptions
     >>> space = pymunk.Space()
-    >>> space.add(pymunk.Circle(space.static_body, 0.5), pymunk.Segment(space.static_body, (-2, -0.6), (2, -0.6), 0.1))
+    >>> space.add(pymunk.Circle(space.static_body, 0.5))
+    >>> space.add(pymunk.Segment(space.static_body, (-2, -0.6), (2, -0.6), 0.1))
     >>> image = Image.new("RGB", (320, 160), "white")
     >>> options = PillowDrawOptions(image, positive_y_is_up=True)
     >>> options.fit(space)
@@ -231,9 +239,10 @@ class PillowDrawOptions(DrawRecorder):
         self.line_width = finite("line_width", line_width, 1, 100, "pixels")
 
     def fit(self, area: pymunk.Space | pymunk.BB, margin: float = 10.0) -> None:
-        """Set `transform` so that a space, or a part of it, fills the image but for a margin, pixels, and is centred.
+        """Set `transform` so that a space, or a part of it, fills the image and is centred.
 
-        A `ParameterError` is raised if `area` has no extent, or `margin` leaves less than 2 pixels.
+        The margin is in pixels. A `ParameterError` is raised if `area` has no extent, or `margin`
+        leaves less than 2 pixels.
         """
         instance("area", area, pymunk.Space | pymunk.BB, "a pymunk.Space or a pymunk.BB")
         width, height = self.image.size
@@ -242,21 +251,22 @@ class PillowDrawOptions(DrawRecorder):
         lengths = box.right - box.left, box.top - box.bottom
         if not (min(lengths) >= 0 and 0 < max(lengths) < math.inf):
             raise ParameterError("area", area, "something that has a size")
+
         sides = zip((width, height), lengths, strict=True)
         scale = min((pixels - 2 * margin) / length for pixels, length in sides if length > 0)
         x, y = box.center()
-        self.transform = pymunk.Transform(
-            scale, 0, 0, scale, width / 2 - scale * x, height / 2 - scale * y
-        )
+        right = width / 2 - scale * x
+        down = height / 2 - scale * y
+        self.transform = pymunk.Transform(scale, 0, 0, scale, right, down)
 
     def __exit__(self, *raised: object) -> None:
         """Draw what was recorded."""
         super().__exit__(*raised)
         if raised[1] is not None:
             return
-        canvas = self.image.resize(
-            [_SAMPLES * length for length in self.image.size], Image.Resampling.NEAREST
-        )
+        width, height = self.image.size
+        size = _SAMPLES * width, _SAMPLES * height
+        canvas = self.image.resize(size, Image.Resampling.NEAREST)
         view = pymunk.Transform.scaling(_SAMPLES) @ self.transform
         if self.positive_y_is_up:
             view = pymunk.Transform(1, 0, 0, -1, 0, canvas.height) @ view
@@ -268,38 +278,42 @@ class PillowDrawOptions(DrawRecorder):
 
 
 def extent(space: pymunk.Space) -> pymunk.BB:
-    """Return the bounding box of a space's shapes and constraints."""
+    """Bounding box of a space's shapes and constraints."""
     recorder = DrawRecorder()
     recorder.flags = recorder.DRAW_SHAPES | recorder.DRAW_CONSTRAINTS
     space.debug_draw(recorder)
-    # The radius of a dot is in pixels. Shapes with infinite coordinates are not drawn either.
-    reaches = [
-        (point, call.radius if call.outline else 0)
-        for call in recorder.calls
-        for point in call.points
-    ]
-    boxes = [
-        pymunk.BB.newForCircle(*reach)
-        for reach in reaches
-        if all(map(math.isfinite, (*reach[0], reach[1])))
-    ]
-    return reduce(pymunk.BB.merge, boxes, pymunk.BB(math.inf, math.inf, -math.inf, -math.inf))
+    box = pymunk.BB(math.inf, math.inf, -math.inf, -math.inf)
+    for call in recorder.calls:
+        # The radius of a dot is in pixels.
+        radius = call.radius if call.outline else 0
+        for x, y in call.points:
+            # Shapes with infinite coordinates are not drawn either.
+            if all(map(math.isfinite, (x, y, radius))):
+                box = box.merge(pymunk.BB.newForCircle((x, y), radius))
+    return box
 
 
 def area(space: pymunk.Space) -> tuple[float, float, float, float]:
-    """Return centre, width and height of what is drawn of a space; one that is empty has an area too."""
+    """Centre, width and height of what is drawn of a space; an empty one has an area too."""
     box = extent(space)
-    box = box if box.left <= box.right else pymunk.BB(-1, -1, 1, 1)
-    return *box.center(), max(box.right - box.left, _SMALLEST), max(box.top - box.bottom, _SMALLEST)
+    if box.left > box.right:
+        box = pymunk.BB(-1, -1, 1, 1)
+    width = max(box.right - box.left, _SMALLEST)
+    height = max(box.top - box.bottom, _SMALLEST)
+    return *box.center(), width, height
 
 
 def still(
     space: pymunk.Space, field: Mapping[str, Sequence[float]], *, y_down: bool, flags: int
 ) -> bytes:
-    """Return a PNG of a part of a space, of a centre and a size, with what the `flags` of debug drawing choose."""
+    """PNG of a part of a space, of a centre and a size.
+
+    The `flags` of debug drawing choose what is drawn.
+    """
     options = PillowDrawOptions(Image.new("RGB", _STILL_SIZE, "white"), positive_y_is_up=not y_down)
     options.flags = flags
-    (x, y), (width, height) = field["centre"], field["size"]
+    x, y = field["centre"]
+    width, height = field["size"]
     options.fit(pymunk.BB(x - width / 2, y - height / 2, x + width / 2, y + height / 2))
     space.debug_draw(options)
     file = BytesIO()
@@ -310,38 +324,39 @@ def still(
 def _paint(draw: ImageDraw.ImageDraw, view: pymunk.Transform, line: float, call: DrawCall) -> None:
     """Paint a call with lines of a width in drawn pixels, to which `view` transforms the space."""
     points = [view @ point for point in call.points]
-    radius = call.radius * (
-        line if call.name == "dot" else math.sqrt(abs(view.a * view.d - view.b * view.c))
-    )
-    if not all(abs(number) < _MAX_REACH for point in points for number in (*point, radius)):
+    scale = math.sqrt(abs(view.a * view.d - view.b * view.c))
+    radius = call.radius * (line if call.name == "dot" else scale)
+    if not all(abs(number) < _MAX_REACH for number in (radius, *chain(*points))):
         return
-    fill, width = tuple(map(round, call.fill)), round(line)
+    fill = tuple(map(round, call.fill))
+    width = round(line)
+
     if call.name == "contact":
-        middle, reach = (
-            (points[0] + points[1]) / 2,
-            _COLLISION_MARK * line * (points[1] - points[0]).normalized(),
-        )
+        # A mark in the middle, whose length does not depend on the scale.
+        begin, end = points
+        middle = (begin + end) / 2
+        reach = _COLLISION_MARK * line * (end - begin).normalized()
         points = [middle - reach, middle + reach]
     if call.name in ("contact", "line"):
         _paint_line(draw, points, width, fill)
         return
+
     if call.name == "segment":
         # No segment is thinner than a line.
         radius = max(radius, line / 2)
     corners, headings = _sides(points)
-    across = [
-        [y * math.cos(heading) - x * math.sin(heading) for x, y in corners] for heading in headings
-    ]
-    # An outline would cover a thin shape.
-    thin = 2 * radius + min(max(row) - min(row) for row in across) <= 4 * line
     roundness = max(radius - _EDGE_INSET, 0.0)
     outer = _around(corners, headings, roundness, roundness)
     edge = [_pixels(arc) for arc in outer]
     if call.name == "segment" and len(corners) == 2:
+        # The straight sides are as thick at every angle.
         sides = strokes.line(corners[0], corners[1], 2 * radius)
         edge[0][-1], edge[1][0] = sides[:2]
         edge[1][-1], edge[0][0] = sides[2:]
     draw.polygon([*chain(*edge)], fill)
+
+    # An outline would cover a thin shape.
+    thin = 2 * radius + _thickness(corners, headings) <= 4 * line
     if call.outline is None or thin:
         return
     outline = tuple(map(round, call.outline))
@@ -349,59 +364,82 @@ def _paint(draw: ImageDraw.ImageDraw, view: pymunk.Transform, line: float, call:
     inner = _around(corners, headings, inside + _HOLE_INSET if inside > 0 else inside, roundness)
     draw.polygon(_ring(edge, outer, inner, width), outline)
     if call.name == "circle":
-        tip = pymunk.Vec2d(*call.points[0]) + pymunk.Vec2d.from_polar(call.radius, call.angle)
-        _paint_line(draw, [points[0], view @ tip], width, outline)
+        centre = pymunk.Vec2d(*call.points[0])
+        tip = view @ (centre + pymunk.Vec2d.from_polar(call.radius, call.angle))
+        _paint_line(draw, [points[0], tip], width, outline)
 
 
 def _paint_line(
     draw: ImageDraw.ImageDraw, ends: Sequence[_Point], width: int, colour: tuple[int, ...]
 ) -> None:
-    """Paint the part of a line that is in the picture or near it: polygons have single precision."""
+    """Paint the part of a line that is in the picture or near it.
+
+    Polygons have single precision.
+    """
     (x, y), (x_end, y_end) = ends
-    first, last = 0.0, 1.0
-    for begin, move, size in ((x, x_end - x, draw.im.size[0]), (y, y_end - y, draw.im.size[1])):
+    x_move = x_end - x
+    y_move = y_end - y
+    first = 0.0
+    last = 1.0
+    picture_width, picture_height = draw.im.size
+    for begin, move, size in ((x, x_move, picture_width), (y, y_move, picture_height)):
         # A line that is parallel to an axis cannot leave the picture along the other one.
-        crossings = [
-            (border - begin) / (move or math.ulp(0.0)) for border in (-2 * width, size + 2 * width)
-        ]
-        first, last = max(first, min(crossings)), min(last, max(crossings))
+        move = move or math.ulp(0.0)
+        low = (-2 * width - begin) / move
+        high = (size + 2 * width - begin) / move
+        first = max(first, min(low, high))
+        last = min(last, max(low, high))
     if first < last and ends[0] != ends[1]:
-        shown = [(x + part * (x_end - x), y + part * (y_end - y)) for part in (first, last)]
+        shown = [(x + part * x_move, y + part * y_move) for part in (first, last)]
         draw.polygon(strokes.line(shown[0], shown[1], width), colour)
 
 
 def _sides(points: Sequence[pymunk.Vec2d]) -> tuple[list[pymunk.Vec2d], list[float]]:
-    """Return the corners of a polygon, counter-clockwise where y points up, and the headings of its sides, rad."""
+    """Corners of a polygon, counter-clockwise where y points up, and headings of its sides, rad."""
     corners = list(dict.fromkeys(points))
     following = [*corners[1:], corners[0]]
     if sum(corner.cross(after) for corner, after in zip(corners, following, strict=True)) < 0:
         corners, following = following[::-1], corners[::-1]
-    return corners, [
-        (after - corner).angle for corner, after in zip(corners, following, strict=True)
-    ]
+    sides = zip(corners, following, strict=True)
+    return corners, [(after - corner).angle for corner, after in sides]
+
+
+def _thickness(corners: Sequence[_Point], headings: Sequence[float]) -> float:
+    """Least extent of corners across a heading."""
+    extents = []
+    for heading in headings:
+        across = [y * math.cos(heading) - x * math.sin(heading) for x, y in corners]
+        extents.append(max(across) - min(across))
+    return min(extents)
 
 
 def _around(
     corners: Sequence[_Point], headings: Sequence[float], distance: float, roundness: float
 ) -> _Arcs:
-    """Return the polygon at a distance around a point, a line or a convex polygon, or inside if it is negative.
+    """Polygon at a distance around a point, a line or a convex polygon, or inside if negative.
 
     There is an arc for each corner, with as many points as a radius of `roundness` needs.
     """
     arcs: _Arcs = []
     for i, (x, y) in enumerate(corners):
         turn = (headings[i] - headings[i - 1]) % math.tau
-        # At a straight corner, rounding can give an angle just below a full circle. A point has
-        # one.
-        turn = math.tau if len(corners) == 1 else turn if turn < 1.5 * math.pi else 0.0
+        if len(corners) == 1:
+            # Around a point the arc is a circle.
+            turn = math.tau
+        elif turn >= 1.5 * math.pi:
+            # At a straight corner, rounding can give an angle just below a full circle.
+            turn = 0.0
+
         # The chords are within 0.13 drawn pixels of the arc.
         chords = 1 + int(turn * (1 + math.sqrt(roundness)))
         # The outer normal of a side is a quarter turn clockwise from its heading.
         first = headings[i - 1] - math.pi / 2
-        angles, away = [first + turn * k / chords for k in range(chords + 1)], distance
+        angles = [first + turn * k / chords for k in range(chords + 1)]
+        away = distance
         if distance < 0:
             # Where the two sides inside meet.
-            angles, away = [first + turn / 2] * (chords + 1), distance / math.cos(turn / 2)
+            angles = [first + turn / 2] * (chords + 1)
+            away = distance / math.cos(turn / 2)
         arcs.append([(x + away * math.cos(angle), y + away * math.sin(angle)) for angle in angles])
     return arcs
 
@@ -409,18 +447,23 @@ def _around(
 def _ring(
     edge: list[list[strokes.Pixel]], outer: _Arcs, inner: _Arcs, width: int
 ) -> list[strokes.Pixel]:
-    """Return the polygon between two polygons, of which the pixels of the `outer` one are the `edge`."""
+    """Polygon between two polygons, of which the pixels of the `outer` one are the `edge`."""
     hole = [_pixels(arc) for arc in inner]
     # Straight sides have the distance of the line's width from the pixels of the outer ones.
     for i in range(len(hole) if len(hole) > 1 else 0):
         after = (i + 1) % len(hole)
-        pairs = ((outer[i][-1], inner[i][-1]), (outer[after][0], inner[after][0]))
-        across = [(inside[0] - outside[0], inside[1] - outside[1]) for outside, inside in pairs]
-        hole[i][-1], hole[after][0] = strokes.parallel([edge[i][-1], edge[after][0]], across, width)
-    outline, inside = [*chain(*edge)], [*chain(*hole)]
-    return [*outline, outline[0], *inside, inside[0]]
+        begins = outer[i][-1], outer[after][0]
+        ends = inner[i][-1], inner[after][0]
+        across = []
+        for (x, y), (x_end, y_end) in zip(begins, ends, strict=True):
+            across.append((x_end - x, y_end - y))
+        side = [edge[i][-1], edge[after][0]]
+        hole[i][-1], hole[after][0] = strokes.parallel(side, across, width)
+    around = [*chain(*edge)]
+    within = [*chain(*hole)]
+    return [*around, around[0], *within, within[0]]
 
 
 def _pixels(points: Sequence[_Point]) -> list[strokes.Pixel]:
-    """Return points in the coordinates of ImageDraw, whose origin is the centre of the first pixel."""
+    """Points in the coordinates of ImageDraw, whose origin is the centre of the first pixel."""
     return [(round(x - 0.5), round(y - 0.5)) for x, y in points]

@@ -1,4 +1,7 @@
-"""Lines of text as images, in the font of the present language, or in the Chinese font if a text needs it."""
+"""Lines of text as images, in the font of the present language.
+
+The Chinese font is used if a text needs it.
+"""
 
 from __future__ import annotations
 
@@ -15,8 +18,10 @@ from pymunk_dragon._language import font as language_font
 from pymunk_dragon.drawing.palette import COLOURS
 from pymunk_dragon.errors import MissingExtraError, ParameterError
 
-# Margins beside and above a line, as fractions of the text height.
-_SIDE_MARGIN, _TOP_MARGIN = 0.6, 0.3
+# Margin beside a line, as a fraction of the text height.
+_SIDE_MARGIN = 0.6
+# Margin above a line, as a fraction of the text height.
+_TOP_MARGIN = 0.3
 # Text height with which is checked which characters a font has, pixels.
 _CHECKED_HEIGHT = 16
 # A Unicode code point that will never be assigned.
@@ -37,7 +42,10 @@ def check(name: str, text: str) -> None:
 
 
 def line(text: str, height: int) -> Image.Image:
-    """Render one line of a text height in pixels, in ink with margins. All lines of a font have one image height."""
+    """Render one line of a text height in pixels, in ink with margins.
+
+    All lines of a font have one image height.
+    """
     return _line(text, height, _font_file(text))
 
 
@@ -52,31 +60,33 @@ def wrapped(text: str, height: int, width: int) -> list[Image.Image]:
     def is_wide(part: str) -> bool:
         return _width(part, height, file) > width
 
+    def first_line_is_wide(columns: int) -> bool:
+        return is_wide("".join(textwrap.wrap(text, columns)[:1]))
+
     # The first line grows with the number of characters.
-    first_lines = range(1, len(text) + 1)
-    columns = bisect_left(
-        first_lines, x=True, key=lambda number: is_wide("".join(textwrap.wrap(text, number)[:1]))
-    )
-    parts = textwrap.wrap(text, max(columns, 1))
-    while (
-        columns > 1
-        and (wide := next((i for i, part in enumerate(parts) if is_wide(part)), None)) is not None
-    ):
-        # With fewer characters, but enough for all lines so far, these lines are the same.
-        columns = max(map(len, parts[: wide + 1])) - 1
+    numbers = range(1, len(text) + 1)
+    columns = max(1, bisect_left(numbers, x=True, key=first_line_is_wide))
+    parts = textwrap.wrap(text, columns)
+    while columns > 1:
+        wide = [i for i, part in enumerate(parts) if is_wide(part)]
+        if not wide:
+            break
+        # With fewer characters, but enough for all lines so far, these lines stay.
+        columns = max(map(len, parts[: wide[0] + 1])) - 1
         parts = textwrap.wrap(text, columns)
     return [_line(part, height, file) for part in parts]
 
 
 def _font_file(text: str) -> Path | None:
-    """Return the file of the font of the present language or, if this one lacks a character, of the Chinese font."""
+    """File of the font of the present language or, if it lacks a character, of the Chinese font."""
     own = language_font()
     return own if own is not None or _missing(text, own) is None else chinese_font()
 
 
 def _missing(text: str, file: Path | None) -> str | None:
-    """Return the first character that a font lacks, but for white space; None if it has all."""
-    return next((each for each in text if not (each.isspace() or _is_in_font(each, file))), None)
+    """First character that a font lacks, but for white space; None if it has all."""
+    lacking = (each for each in "".join(text.split()) if not _is_in_font(each, file))
+    return next(lacking, None)
 
 
 @cache
@@ -91,17 +101,18 @@ def _font(size: float, file: Path | None) -> _Font:
 
 
 def _width(text: str, height: int, file: Path | None) -> int:
-    """Return the width of a line with its margins, pixels."""
+    """Width of a line with its margins, pixels."""
     return round(_font(height, file).getbbox(text)[2]) + 2 * round(_SIDE_MARGIN * height)
 
 
 @lru_cache(maxsize=32)
 def _line(text: str, height: int, file: Path | None) -> Image.Image:
-    font, margin = _font(height, file), round(_SIDE_MARGIN * height)
+    font = _font(height, file)
     # No digit or Latin letter extends below these characters.
     bottom = round(font.getbbox("gjpqy,()[]|")[3])
-    image = Image.new("RGB", (_width(text, height, file), bottom + margin), COLOURS.background)
-    ImageDraw.Draw(image).text(
-        (margin, round(_TOP_MARGIN * height)), text, fill=COLOURS.ink, font=font
-    )
+    margin = round(_SIDE_MARGIN * height)
+    size = _width(text, height, file), bottom + margin
+    image = Image.new("RGB", size, COLOURS.background)
+    top = round(_TOP_MARGIN * height)
+    ImageDraw.Draw(image).text((margin, top), text, fill=COLOURS.ink, font=font)
     return image

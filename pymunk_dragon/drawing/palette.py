@@ -18,7 +18,9 @@ _TEXT_SHADES = 16
 
 @dataclass(frozen=True, kw_only=True)
 class Palette:
-    """Colours of pictures, each as "#rrggbb". The defaults are distinguishable with colour blindness and in greyscale.
+    """Colours of pictures, each as "#rrggbb".
+
+    The defaults are distinguishable with colour blindness and in greyscale.
 
     `background` and `curve` are the ground and the path; `head`, `body` and `tail` the benches,
     `contact` those in contact; `ink` outlines, holes and text; `motion` velocities and position
@@ -37,7 +39,7 @@ class Palette:
     grid: str = "#27303f"
 
     def rgb(self, name: str) -> tuple[int, int, int]:
-        """Return red, green and blue of a colour, 0 to 255."""
+        """Red, green and blue of a colour, 0 to 255."""
         red, green, blue = bytes.fromhex(getattr(self, name)[1:])
         return red, green, blue
 
@@ -48,12 +50,19 @@ COLOURS = Palette()
 
 @cache
 def colour_table() -> NDArray[np.uint8]:
-    """Red, green and blue (C, 3), C < 256, of the colours of films and of mixtures of two in a block of four pixels."""
+    """Red, green and blue (C, 3), C < 256, of the colours of films.
+
+    They are the palette and the mixtures of two of its colours in a block of four pixels.
+    """
     colours = np.array([COLOURS.rgb(name) for name in asdict(COLOURS)], dtype=float)
     steps = np.arange(1, BLOCK**2)[:, None] / BLOCK**2
     mixtures = [one + steps * (other - one) for one, other in combinations(colours, 2)]
-    background, ink = np.array([COLOURS.rgb("background")]), np.array([COLOURS.rgb("ink")])
-    mixtures.append(
-        background + np.arange(_TEXT_SHADES)[:, None] / _TEXT_SHADES * (ink - background)
-    )
-    return np.unique(np.rint(np.concatenate([colours, *mixtures])).astype(np.uint8), axis=0)
+
+    # Text between background and ink has more shades.
+    background = np.array([COLOURS.rgb("background")])
+    ink = np.array([COLOURS.rgb("ink")])
+    shades = np.arange(_TEXT_SHADES)[:, None] / _TEXT_SHADES
+    mixtures.append(background + shades * (ink - background))
+
+    table = np.rint(np.concatenate([colours, *mixtures]))
+    return np.unique(table.astype(np.uint8), axis=0)

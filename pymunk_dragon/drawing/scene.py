@@ -41,9 +41,10 @@ _RING_RADIUS = 9
 _HEAD_BORDER = 0.12
 # m: smaller gaps are near misses, displayed in every film, with a ring.
 _SMALL_GAP = 0.01
-# Text height as a fraction of the picture's shorter side, readable and small beside the dragon; and
-# its least value, pixels.
-_TEXT_HEIGHT, _MIN_TEXT_HEIGHT = 0.036, 15
+# Text height as a fraction of the picture's shorter side, readable and small beside the dragon.
+_TEXT_HEIGHT = 0.036
+# Pixels.
+_MIN_TEXT_HEIGHT = 15
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,113 +75,124 @@ class Scene:
         return self.size[0] / self.span
 
     def layer(self, time: float, poses: Array) -> Layer:
-        """Return a surface for the benches at `poses` (N, 3), with the curve and its circles."""
+        """Surface for the benches at `poses` (N, 3), with the curve and its circles."""
         if self.follow == "field":
             return replace(self._field, image=self._field.image.copy(), time=time, poses=poses)
         x, y = poses[0, :2].tolist()
         return self._ground((x, y), time, poses)
 
     def parts(self, samples: Iterable[tuple[float, Array]]) -> set[str]:
-        """Return the kinds of benches in view in samples: names of the palette's colours."""
+        """Kinds of benches in view in samples: names of the palette's colours."""
         kinds = set[str]()
+        half = np.array(self.size) / self.scale / 2
         for time, poses in samples:
-            offsets = poses[:, :2] - (poses[0, :2] if self.follow == "head" else self.centre)
-            seen = np.flatnonzero(
-                np.all(np.abs(offsets) < np.array(self.size) / self.scale / 2, axis=1)
-            )
-            special = _special(
-                len(poses), self.contact if self.contact and time >= self.contact.time else None
-            )
+            middle = poses[0, :2] if self.follow == "head" else self.centre
+            offsets = poses[:, :2] - middle
+            seen = np.flatnonzero(np.all(np.abs(offsets) < half, axis=1))
+            special = _special(len(poses), self._contact_at(time))
             kinds |= {special.get(bench, "body") for bench in seen.tolist()}
         return kinds
 
     def draw(self, time: float, poses: Array) -> Image.Image:
         """Draw the benches at `poses` (N, 3) and a time, s (mode RGB)."""
-        layer, march = self.layer(time, poses), self.source.march
-        contact = self.contact if self.contact and time >= self.contact.time else None
-        gap, bench, point = (np.inf, 0, None) if contact else _smallest_gap(march.dragon, poses)
+        layer = self.layer(time, poses)
+        contact = self._contact_at(time)
         draw_overlays(layer, self.show, below=True)
         _draw_benches(layer, contact)
-        below, ring = "", None
+
+        below = ""
         if contact:
             # Short, to fit into a corner beside the spiral.
-            below, ring = text("contact: benches {} and {}").format(*contact.benches), contact.point
-        elif gap < (np.inf if self.follow == "head" else _SMALL_GAP):
-            below = text("gap {gap:.1f} mm to bench {bench}").format(gap=1e3 * gap, bench=bench)
-            ring = point if gap < _SMALL_GAP else None
-        if ring:
-            centre = layer.pixels(ring).tolist()
-            ImageDraw.Draw(layer.image).circle(
-                centre, _RING_RADIUS * BLOCK, outline=COLOURS.ink, width=BLOCK
-            )
+            below = text("contact: benches {} and {}").format(*contact.benches)
+            _draw_ring(layer, contact.point)
+        else:
+            gap, bench, point = _smallest_gap(layer.dragon, poses)
+            if gap < (np.inf if self.follow == "head" else _SMALL_GAP):
+                below = text("gap {gap:.1f} mm to bench {bench}").format(gap=1e3 * gap, bench=bench)
+            if gap < _SMALL_GAP:
+                _draw_ring(layer, point)
+
         if self.beside and self.factor and self.beside.times[0] <= time <= self.beside.times[-1]:
-            errors = self.beside.poses_at([time])[0, :, :2] - poses[:, :2]
-            layer.arrows(poses[:, :2], self.factor * errors)
+            exact = poses[:, :2]
+            errors = self.beside.poses_at([time])[0, :, :2] - exact
+            layer.arrows(exact, self.factor * errors)
         draw_overlays(layer, self.show)
-        speed = text("head {:.2f} m/s").format(float(march.speed_profile.at(time)))
-        return self._with_texts(layer.image.reduce(BLOCK), f"t = {time:.2f} s", speed, below)
+        speed = float(self.source.march.speed_profile.at(time))
+        right = text("head {:.2f} m/s").format(speed)
+        return self._with_texts(layer.image.reduce(BLOCK), f"t = {time:.2f} s", right, below)
+
+    def _contact_at(self, time: float) -> Contact | None:
+        """First contact, if it has occurred."""
+        return self.contact if self.contact and time >= self.contact.time else None
 
     def _with_texts(self, picture: Image.Image, left: str, right: str, below: str) -> Image.Image:
-        """Write texts into the upper corners and the lower left one; `right` is omitted if it would overlap `left`."""
-        first, second, third = (
-            lettering.line(each, text_height(self.size)) for each in (left, right, below)
-        )
+        """Write texts into the upper corners and the lower left one.
+
+        `right` is omitted if it would overlap `left`.
+        """
+        height = text_height(self.size)
+        first = lettering.line(left, height)
+        second = lettering.line(right, height)
         picture.paste(first, (0, 0))
         if first.width + second.width <= picture.width:
             picture.paste(second, (picture.width - second.width, 0))
         if below:
+            third = lettering.line(below, height)
             picture.paste(third, (0, picture.height - third.height))
         return picture
 
     @cached_property
     def _curve(self) -> Array:
-        """Points (P, 2), m, of the curve. The interval always includes the dragon's position at 0 s."""
+        """Points (P, 2), m, of the curve, with the dragon's position at 0 s among them."""
         march = self.source.march
-        first, last = march.span(min(self.times[0], 0.0), max(self.times[1], 0.0))
-        points = min(int((last - first) * self.scale * BLOCK / _CURVE_STEP) + 2, _MAX_CURVE_POINTS)
-        return march.curve.point(np.linspace(first, last, points))
+        begin, end = self.times
+        first, last = march.span(min(begin, 0.0), max(end, 0.0))
+        steps = int((last - first) * self.scale * BLOCK / _CURVE_STEP)
+        points = np.linspace(first, last, min(steps + 2, _MAX_CURVE_POINTS))
+        return march.curve.point(points)
 
     @cached_property
     def _field(self) -> Layer:
         return self._ground(self.centre, 0.0, np.empty((0, 3)))
 
     def _ground(self, centre: tuple[float, float], time: float, poses: Array) -> Layer:
-        """Return a surface with the curve and its circles."""
+        """Surface with the curve and its circles."""
         width, height = self.size
         image = Image.new("RGB", (width * BLOCK, height * BLOCK), COLOURS.background)
         layer = Layer(image, centre, self.scale * BLOCK, self.source, time, poses)
-        draw, seen = ImageDraw.Draw(image), layer.holds(self._curve, 2 * _CURVE_STEP / layer.scale)
-        curve_width = max(1, round(_CURVE_WIDTH * layer.dragon.widths.min() * layer.scale))
+        draw = ImageDraw.Draw(image)
+
         # One polyline for every visible part of the curve.
-        borders = np.flatnonzero(np.diff(np.concatenate([[False], seen, [False]]).astype(np.int8)))
-        for first, last in borders.reshape(-1, 2).tolist():
-            points = np.floor(layer.pixels(self._curve[first:last])).ravel().tolist()
+        seen = layer.holds(self._curve, 2 * _CURVE_STEP / layer.scale)
+        changes = np.diff(seen.astype(np.int8), prepend=0, append=0)
+        curve_width = max(1, round(_CURVE_WIDTH * layer.dragon.widths.min() * layer.scale))
+        for first, last in np.flatnonzero(changes).reshape(-1, 2).tolist():
+            visible = layer.pixels(self._curve[first:last])
+            points = np.floor(visible).ravel().tolist()
             draw.line(points, fill=COLOURS.curve, width=curve_width)
+
         for x, y, radius in self.source.march.curve.circles:
-            draw.circle(
-                layer.pixels((x, y)).tolist(),
-                radius * layer.scale,
-                outline=COLOURS.ink,
-                width=BLOCK,
-            )
+            middle = layer.pixels((x, y)).tolist()
+            draw.circle(middle, radius * layer.scale, outline=COLOURS.ink, width=BLOCK)
         return layer
 
 
 def text_height(size: tuple[int, int]) -> int:
-    """Return the height of texts in a picture of a size, pixels."""
+    """Height of texts in a picture of a size, pixels."""
     return max(_MIN_TEXT_HEIGHT, round(_TEXT_HEIGHT * min(size)))
 
 
 def hole_diameter(dragon: Dragon) -> float:
-    """Return the diameter of a dragon's holes in pictures, m."""
-    return min(
-        _HOLE_DIAMETER,
-        _MAX_HOLE_FRACTION * float(np.minimum(dragon.widths, 2 * dragon.overhangs).min()),
-    )
+    """Diameter of a dragon's holes in pictures, m."""
+    smallest = np.minimum(dragon.widths, 2 * dragon.overhangs).min()
+    return min(_HOLE_DIAMETER, _MAX_HOLE_FRACTION * float(smallest))
 
 
 def _smallest_gap(dragon: Dragon, poses: Array) -> tuple[float, int, tuple[float, float]]:
-    """Return the smallest gap of the head at `poses` (N, 3), m, to which bench but its neighbour, and where, m."""
+    """Smallest gap, m, of the head at `poses` (N, 3), to which bench, and where, m.
+
+    Its neighbour, which it always overlaps, is left out.
+    """
     if dragon.benches < 3:
         return np.inf, 0, (0.0, 0.0)
     corners = dragon.outlines(poses)
@@ -191,33 +203,45 @@ def _smallest_gap(dragon: Dragon, poses: Array) -> tuple[float, int, tuple[float
 
 
 def _special(benches: int, contact: Contact | None) -> dict[int, str]:
-    """Return the kinds of the benches that are not of the body; the head stays the head in a contact."""
-    return (
-        {benches - 1: "tail"}
-        | dict.fromkeys(contact.benches if contact else (), "contact")
-        | {0: "head"}
-    )
+    """Kinds of the benches that are not of the body; the head stays the head in a contact."""
+    special = {benches - 1: "tail"}
+    if contact:
+        special |= dict.fromkeys(contact.benches, "contact")
+    return special | {0: "head"}
+
+
+def _draw_ring(layer: Layer, point: tuple[float, float]) -> None:
+    """Draw the ring around a contact or a near miss at a point, m."""
+    centre = layer.pixels(point).tolist()
+    draw = ImageDraw.Draw(layer.image)
+    draw.circle(centre, _RING_RADIUS * BLOCK, outline=COLOURS.ink, width=BLOCK)
 
 
 def _draw_benches(layer: Layer, contact: Contact | None) -> None:
-    """Draw benches and holes, from tail to head, so that the head is on top, with the `contact` of two."""
-    dragon, poses = layer.dragon, layer.poses
+    """Draw benches and holes, from tail to head, so that the head is on top."""
+    dragon = layer.dragon
+    poses = layer.poses
     special = _special(dragon.benches, contact)
-    seen = np.flatnonzero(layer.holds(poses[:, :2], float(dragon.lengths.max())))[::-1]
+    longest = float(dragon.lengths.max())
+    seen = np.flatnonzero(layer.holds(poses[:, :2], longest))[::-1]
+
     # ImageDraw also fills the pixels on a polygon's edge, so every side is inset by half a pixel.
-    lengths, widths = dragon.lengths[seen] - 1 / layer.scale, dragon.widths[seen] - 1 / layer.scale
-    polygons = np.floor(layer.pixels(rectangles(poses[seen], lengths, widths))).reshape(-1, 8)
+    lengths = dragon.lengths[seen] - 1 / layer.scale
+    widths = dragon.widths[seen] - 1 / layer.scale
+    corners = layer.pixels(rectangles(poses[seen], lengths, widths))
+    polygons = np.floor(corners).reshape(-1, 8).tolist()
     draw = ImageDraw.Draw(layer.image)
-    for bench, polygon in zip(seen.tolist(), polygons.tolist(), strict=True):
-        draw.polygon(
-            polygon, fill=getattr(COLOURS, special.get(bench, "body")), outline=COLOURS.ink
-        )
+    for bench, polygon in zip(seen.tolist(), polygons, strict=True):
+        colour = getattr(COLOURS, special.get(bench, "body"))
+        draw.polygon(polygon, fill=colour, outline=COLOURS.ink)
         if bench == 0 and contact and contact.benches[0] == 0:
             border = max(1, round(_HEAD_BORDER * dragon.widths[0] * layer.scale))
             draw.polygon(polygon, outline=COLOURS.contact, width=border)
+
     diameter = hole_diameter(dragon) * layer.scale
     if diameter >= _MIN_HOLE_DIAMETER:
         holes = np.concatenate([hole[seen] for hole in dragon.holes(poses)])
         corner = np.rint(layer.pixels(holes) - diameter / 2)
-        for box in np.concatenate([corner, corner + round(diameter) - 1], axis=1).tolist():
+        boxes = np.concatenate([corner, corner + round(diameter) - 1], axis=1)
+        for box in boxes.tolist():
             draw.ellipse(box, fill=COLOURS.ink)

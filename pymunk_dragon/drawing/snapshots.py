@@ -27,7 +27,7 @@ class Snapshots:
 
     @classmethod
     def of(cls, source: Source) -> Snapshots:
-        """Return the states of a run or of an exact march."""
+        """States of a run or of an exact march."""
         if isinstance(source, Run):
             return cls(march=source.march, run=source)
         return cls(march=source)
@@ -37,7 +37,8 @@ class Snapshots:
 
         Before and after a run, these are its first and last time.
         """
-        for chunk in np.split(times, range(_CHUNK_FRAMES, len(times), _CHUNK_FRAMES)):
+        borders = range(_CHUNK_FRAMES, len(times), _CHUNK_FRAMES)
+        for chunk in np.split(times, borders):
             if self.run is None:
                 poses = self.march.at(chunk).poses
             else:
@@ -46,10 +47,9 @@ class Snapshots:
             yield from zip(chunk.tolist(), poses, strict=True)
 
     def velocities(self, time: float, poses: Array) -> Array:
-        """Return the velocities (N + 1, 2) of the handles at a time, s, with the `poses` (N, 3) then, m/s."""
+        """Velocities (N + 1, 2) of the handles, m/s, at a time, s, with its `poses` (N, 3)."""
         if self.run is None:
             return np.asarray(self.march.at([time]).velocities[0])
-        front, rear = self.march.dragon.hole_velocities(
-            poses, self.run.pose_velocities_at([time])[0]
-        )
+        velocities = self.run.pose_velocities_at([time])[0]
+        front, rear = self.march.dragon.hole_velocities(poses, velocities)
         return np.concatenate([front, rear[-1:]])

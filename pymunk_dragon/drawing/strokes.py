@@ -18,15 +18,19 @@ Pixel = tuple[int, int]
 
 
 def line(begin: Point, end: Point, width: float) -> list[Pixel]:
-    """Return the corners of a line with square ends: begin and end of its right edge, end and begin of its left one.
+    """Corners of a line with square ends.
 
-    The line's coordinates are 0.5 at the centre of the first pixel, and y points up for the names
-    of the edges. Its length must not be 0.
+    They are begin and end of its right edge, and end and begin of its left one. The line's
+    coordinates are 0.5 at the centre of the first pixel, and y points up for the names of the
+    edges. Its length must not be 0.
     """
     length = math.dist(begin, end)
-    across = width * (begin[1] - end[1]) / length, width * (end[0] - begin[0]) / length
-    steep = abs(across[0]) > abs(across[1])
-    (u, v), (u_across, v_across) = _turned(begin, steep), _turned(across, steep)
+    x_across = width * (begin[1] - end[1]) / length
+    y_across = width * (end[0] - begin[0]) / length
+    across = x_across, y_across
+    steep = abs(x_across) > abs(y_across)
+    u, v = _turned(begin, steep)
+    u_across, v_across = _turned(across, steep)
     slope = -u_across / v_across
     gap = math.copysign(_gap(slope, width, steep), v_across)
     right: list[Pixel] = []
@@ -38,14 +42,15 @@ def line(begin: Point, end: Point, width: float) -> list[Pixel]:
 
 
 def parallel(edge: Sequence[Pixel], across: Sequence[Point], width: float) -> list[Pixel]:
-    """Return the second edge of a strip of a width; `across` leads from the two corners of its first edge to it.
+    """Second edge of a strip of a width, with `across` from each corner of the first edge to it.
 
     Rounding at the first corner is compensated at the second one: the mean thickness is within a
     quarter of a pixel.
     """
-    (u, v), (u_end, v_end) = edge
-    steep = abs(v_end - v) > abs(u_end - u)
-    (u, v), (u_end, v_end) = _turned(edge[0], steep), _turned(edge[1], steep)
+    (x, y), (x_end, y_end) = edge
+    steep = abs(y_end - y) > abs(x_end - x)
+    u, v = _turned(edge[0], steep)
+    u_end, v_end = _turned(edge[1], steep)
     slope = (v_end - v) / (u_end - u) if u_end != u else 0.0
     u_across, v_across = _turned(across[0], steep)
     gap = math.copysign(_gap(slope, width, steep), v_across - slope * u_across)
@@ -60,7 +65,7 @@ def parallel(edge: Sequence[Pixel], across: Sequence[Point], width: float) -> li
 
 
 def _gap(slope: float, width: float, steep: bool) -> float:
-    """Return the distance of the edges of a strip in y or, if it is steep, in x."""
+    """Distance of the edges of a strip in y or, if it is steep, in x."""
     if steep:
         return width * math.hypot(1, slope) - 1
     # Two horizontal edges are whole pixels apart.
@@ -68,6 +73,6 @@ def _gap(slope: float, width: float, steep: bool) -> float:
 
 
 def _turned(pair: tuple[N, N], steep: bool) -> tuple[N, N]:
-    """Return a pair of coordinates, exchanged if the line is steep: the first one is along the line."""
+    """Pair of coordinates, of which the first is along the line: exchanged if it is steep."""
     first, second = pair
     return (second, first) if steep else pair

@@ -52,6 +52,8 @@ _METADATA: dict[str, dict[str, Any]] = {
     ".pdf": {"CreationDate": None},
 }
 _FIGURE_ENDINGS = tuple(_METADATA)
+# s: a march that ends earlier has no time to draw; axes of a shorter interval have equal ends.
+_SHORTEST_MARCH = 1e-6
 
 
 def figure(name: str, source: Run | March | None = None) -> Figure:
@@ -91,7 +93,10 @@ def figure(name: str, source: Run | March | None = None) -> Figure:
 
 
 def styled_figure(draw: Callable[[], Figure]) -> Figure:
-    """Figure that `draw` draws, with the fonts and colours of all figures, for `figure` and for packages above."""
+    """Figure that `draw` draws, with the fonts and colours of all figures.
+
+    It is for `figure` and for packages above.
+    """
     with styled():
         return _laid_out(draw())
 
@@ -108,18 +113,22 @@ def write_figure(name: str, path: str | Path, source: Run | March | None = None)
     >>> write_figure("spiral", "spiral.svg")
     """
     named = FIGURES[word("figure", name, FIGURES)]
-    destination = check_destination(path, STILL_ENDINGS if named.still else _FIGURE_ENDINGS)
     if named.still:
+        destination = check_destination(path, STILL_ENDINGS)
         run, film = named.draw(_figure_source(named, source))
         render(run, destination, film)
     else:
-        write_styled(lambda: named.draw(_figure_source(named, source)), destination)
+        write_styled(lambda: named.draw(_figure_source(named, source)), path)
 
 
 def write_styled(draw: Callable[[], Figure], path: str | Path) -> None:
-    """Write the figure that `draw` draws as PNG, SVG or PDF, for `write_figure` and for packages above."""
+    """Write the figure that `draw` draws as PNG, SVG or PDF.
+
+    It is for `write_figure` and for packages above.
+    """
     destination = check_destination(path, _FIGURE_ENDINGS)
-    ending, content = destination.suffix.lower(), io.BytesIO()
+    ending = destination.suffix.lower()
+    content = io.BytesIO()
     with styled():
         drawn = _laid_out(draw())
         drawn.savefig(content, format=ending[1:], metadata=_METADATA[ending])
@@ -127,9 +136,8 @@ def write_styled(draw: Callable[[], Figure], path: str | Path) -> None:
     # Gradients, which are rasterized in the other formats, would have visible bands.
     if ending == ".png" and not any(part.get_rasterized() for part in drawn.findobj()):
         with Image.open(content) as picture:
-            few = picture.convert("RGB").quantize(
-                256, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE
-            )
+            colours = picture.convert("RGB")
+        few = colours.quantize(256, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
         content = io.BytesIO()
         few.save(content, format="PNG", optimize=True)
     with written_in_place(destination) as draft:
@@ -137,21 +145,21 @@ def write_styled(draw: Callable[[], Figure], path: str | Path) -> None:
 
 
 def _laid_out(drawn: Figure) -> Figure:
-    """Fix the layout of a figure, and its ticks, which have the settings of the time at which they are created."""
+    """Fix the layout of a figure, and its ticks.
+
+    Ticks have the settings of the time at which they are created.
+    """
     drawn.draw_without_rendering()
     drawn.set_layout_engine("none")
     for axes in drawn.axes:
         # matplotlib's solver adds in the order of addresses: its last digits differ.
-        axes.set_position(np.round(axes.get_position(original=True).bounds, 6).tolist())
+        bounds = axes.get_position(original=True).bounds
+        axes.set_position(np.round(bounds, 6).tolist())
     return drawn
 
 
-# s: a march that ends earlier has no time to draw; axes of a shorter interval have equal ends.
-_SHORTEST_MARCH = 1e-6
-
-
 def _figure_source(named: NamedFigure, source: Run | March | None) -> FigureSource:
-    """Return what is drawn of a source: a march to the end of its curve, or for the times of a run."""
+    """What is drawn of a source: a march to the end of its curve, or for the times of a run."""
     if isinstance(source, Run):
         if np.isfinite(source.march.end):
             return FigureSource(source.march, run=source)
@@ -160,9 +168,8 @@ def _figure_source(named: NamedFigure, source: Run | March | None) -> FigureSour
     march = March(Dragon(benches=named.benches)) if source is None else source
     instance("source", march, March, "a run or a march")
     if not np.isfinite(march.end):
-        raise ParameterError(
-            "march", "one on a curve without end", "a run, which defines the time interval"
-        )
+        bound = "a run, which defines the time interval"
+        raise ParameterError("march", "one on a curve without end", bound)
     if march.end < _SHORTEST_MARCH:
         bound = f"one of at least {_SHORTEST_MARCH:g} s"
         raise ParameterError("march", f"one of {march.end:g} s", bound)

@@ -7,12 +7,31 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pymunk_dragon._arrays import Array
 from pymunk_dragon._language import text
 from pymunk_dragon.collision import Grid, separation
 from pymunk_dragon.drawing import Film
-from pymunk_dragon.drawing.figures import style
+from pymunk_dragon.drawing.figures.style import (
+    AMBER,
+    BESIDE,
+    BLUE,
+    CANDIDATE,
+    COLOURS,
+    FAINT,
+    PALE,
+    QUIET,
+    RULE,
+    SHARED,
+    SMALL,
+    FigureSource,
+    halo,
+    logarithmic,
+    panels,
+    plan,
+    slide,
+)
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.run import HEAD_BENCHES, Run
 
@@ -28,195 +47,195 @@ _GAP_LENGTHS = 4.5
 
 @dataclass(frozen=True)
 class NamedFigure:
-    """What a figure shows, its function, the number of benches, and whether it is a `still`, of a run and a film."""
+    """What a figure shows, its function, and the number of benches.
+
+    The function of a `still` returns a run and a film.
+    """
 
     shows: str
-    draw: Callable[[style.FigureSource], Any]
+    draw: Callable[[FigureSource], Any]
     benches: int = 223
     still: bool = False
 
 
-def _spiral(source: style.FigureSource) -> Figure:
+def _spiral(source: FigureSource) -> Figure:
     """Draw the spiral that handle 0 follows (the paper's figure 2)."""
-    march, end = source.march, source.hit.time
-    curve, start = march.curve, march.head_start
+    march = source.march
+    curve = march.curve
+    start = march.head_start
+    end = source.hit.time
     turns = curve.turns(start)
     if turns is None or curve.end_s == np.inf:
         raise ParameterError("curve", type(curve).__name__, "a Spiral inward, for this figure")
+
     gone = float(march.distance(end))
-    title = text("Handle 0 walks {:.1f} m of {:.1f} m of spiral").format(gone, curve.end_s - start)
-    figure = style.slide(
-        title, text("{:.4g} turns inward, {:g} m apart").format(turns, curve.turn_width)
-    )
-    axes = style.panels(figure)
+    whole = curve.end_s - start
+    title = text("Handle 0 walks {:.1f} m of {:.1f} m of spiral").format(gone, whole)
+    subtitle = text("{:.4g} turns inward, {:g} m apart").format(turns, curve.turn_width)
+    figure = slide(title, subtitle)
+    axes = panels(figure)
+
+    walked = source.path(start, start + gone)
+    name = text("the march of handle 0")
+    axes.plot(*walked.T, color=BLUE, lw=1.8, gid="walked", label=name)
     # At most ten whole minutes.
-    minutes = np.arange(0, end / 60, max(1, np.ceil(end / 600)))
+    step = max(1, np.ceil(end / 600))
+    minutes = np.arange(0, end / 60, step)
     dots = curve.point(start + march.distance(60 * minutes))
-    walked, rest = source.path(start, start + gone), source.path(start + gone, curve.end_s)
-    axes.plot(
-        *walked.T, color=style.BLUE, lw=1.8, gid="walked", label=text("the march of handle 0")
-    )
-    axes.plot(
-        *dots.T, "o", color=style.COLOURS.ink, ms=13, gid="minutes", label=text("numbers: minutes")
-    )
-    axes.plot(*walked[-1], "o", color=style.COLOURS.contact, ms=8, gid="last", label=source.end)
-    axes.plot(*rest.T, color=style.QUIET, lw=1.0, ls="--", gid="ahead", label=text("not reached"))
+    name = text("numbers: minutes")
+    axes.plot(*dots.T, "o", color=COLOURS.ink, ms=13, gid="minutes", label=name)
+    axes.plot(*walked[-1], "o", color=COLOURS.contact, ms=8, gid="last", label=source.end)
+    rest = source.path(start + gone, curve.end_s)
+    axes.plot(*rest.T, color=QUIET, lw=1.0, ls="--", gid="ahead", label=text("not reached"))
+    centred = {"ha": "center", "va": "center", "color": COLOURS.background, "size": SMALL}
     for minute, (x, y) in zip(minutes, dots.tolist(), strict=True):
-        axes.text(
-            x,
-            y,
-            f"{minute:g}",
-            ha="center",
-            va="center",
-            color=style.COLOURS.background,
-            size=style.SMALL,
-        )
-    style.plan(axes)
-    axes.legend(**style.BESIDE)
+        axes.text(x, y, f"{minute:g}", **centred)
+    plan(axes)
+    axes.legend(**BESIDE)
     return figure
 
 
-def _trajectories(source: style.FigureSource) -> Figure:
+def _trajectories(source: FigureSource) -> Figure:
     """Draw the trajectories of the paper's seven handles until the first contact (its figure 7)."""
-    handles, ink = source.march.dragon.representatives, style.COLOURS.ink
+    handles = source.march.dragon.representatives
     first, last = source.march.handles_s([source.begin, source.hit.time])
     whole = source.path(first[-1], last[0], 900)
     title = text("All handles walk the same path, one behind the other")
     subtitle = text("from {:g} s to {}; the path is {:.3g} m wide and {:.3g} m high")
-    figure = style.slide(title, subtitle.format(source.begin, source.end, *np.ptp(whole, axis=0)))
-    cells = list(style.panels(figure, rows=-(-(len(handles) + 1) // 4), columns=4).flat)
+    extent = np.ptp(whole, axis=0)
+    figure = slide(title, subtitle.format(source.begin, source.end, *extent))
+
+    # The legend has a cell too.
+    rows = -(-(len(handles) + 1) // 4)
+    cells = list(panels(figure, rows=rows, columns=4).flat)
     for axes in cells:
         axes.set_aspect("equal")
         axes.margins(0.04)
         axes.set_axis_off()
+    hollow = {"color": COLOURS.ink, "mfc": COLOURS.background, "ms": 6}
     for axes, handle in zip(cells, handles, strict=False):
         path = source.path(first[handle], last[handle], 900)
-        axes.plot(*whole.T, color=style.PALE, lw=0.4)
-        axes.plot(*path.T, color=style.BLUE, lw=1.0, gid=f"path-{handle}")
-        start = axes.plot(
-            *path[0], "o", color=ink, mfc=style.COLOURS.background, ms=6, label=text("at the start")
-        )
-        stop = axes.plot(*path[-1], "o", color=ink, ms=6, label=text("at the end"))
+        axes.plot(*whole.T, color=PALE, lw=0.4)
+        axes.plot(*path.T, color=BLUE, lw=1.0, gid=f"path-{handle}")
+        start = axes.plot(*path[0], "o", label=text("at the start"), **hollow)
+        stop = axes.plot(*path[-1], "o", color=COLOURS.ink, ms=6, label=text("at the end"))
         axes.set_title(text("handle {}").format(handle), size=11.5, pad=3)
     cells[len(handles)].legend(handles=start + stop, loc="center", frameon=False)
     return figure
 
 
-def _velocities(source: style.FigureSource) -> Figure:
+def _velocities(source: FigureSource) -> Figure:
     """Draw the velocities of the paper's seven handles at the first contact (its figure 8)."""
-    time, handles = source.last_regular_time, source.march.dragon.representatives
+    time = source.last_regular_time
+    handles = list(source.march.dragon.representatives)
     states = source.march.at(time)
     title = text("The velocities of {} handles at {:.2f} s").format(len(handles), time)
-    figure = style.slide(title, text("each handle walks along the curve"))
-    axes = style.panels(figure)
+    figure = slide(title, text("each handle walks along the curve"))
+    axes = panels(figure)
     path = source.path(states.handles_s[0, -1], states.handles_s[0, 0])
-    axes.plot(*path.T, color=style.PALE, lw=0.8)
-    for handle in handles:
-        position, velocity, speed = (
-            each[0, handle] for each in (states.positions, states.velocities, states.speeds)
-        )
+    axes.plot(*path.T, color=PALE, lw=0.8)
+
+    points = states.positions[0, handles]
+    velocities = states.velocities[0, handles]
+    speeds = states.speeds[0, handles]
+    number: dict[str, Any] = {"ha": "center", "va": "center", "size": 9, "zorder": 5}
+    for handle, point, velocity, speed in zip(handles, points, velocities, speeds, strict=True):
         name = text("handle {}: {:.3f} m/s").format(handle, speed)
-        axes.plot(*position, "o", color=style.COLOURS.ink, ms=5, zorder=4, label=name)
-        behind: dict[str, Any] = {
-            "xytext": -18 * velocity / speed,
-            "textcoords": "offset points",
-            "ha": "center",
-        }
-        axes.annotate(
-            str(handle),
-            position,
-            **behind,
-            va="center",
-            size=9,
-            zorder=5,
-            path_effects=style.halo(),
-        )
-    points, arrows = states.positions[0, list(handles)], states.velocities[0, list(handles)]
-    axes.quiver(
-        *points.T,
-        *arrows.T,
-        angles="xy",
-        color=style.COLOURS.motion,
-        width=0.006,
-        zorder=3,
-        gid="velocities",
-    )
-    style.plan(axes)
-    axes.legend(**style.BESIDE)
+        axes.plot(*point, "o", color=COLOURS.ink, ms=5, zorder=4, label=name)
+        # The number is behind the handle.
+        number |= {"xytext": -18 * velocity / speed, "textcoords": "offset points"}
+        axes.annotate(str(handle), point, path_effects=halo(), **number)
+    arrows = {"angles": "xy", "color": COLOURS.motion, "width": 0.006, "zorder": 3}
+    axes.quiver(*points.T, *velocities.T, gid="velocities", **arrows)
+    plan(axes)
+    axes.legend(**BESIDE)
     return figure
 
 
-def _grid(source: style.FigureSource) -> Figure:
-    """Draw the grid partition at the first contact, and the benches in its cells (the paper's figure 6)."""
+def _grid(source: FigureSource) -> Figure:
+    """Draw the grid at the first contact, and the benches in its cells (the paper's figure 6)."""
     from matplotlib.colors import ListedColormap
     from matplotlib.patches import Patch
 
-    hit, dragon, cells = source.hit, source.march.dragon, Grid.of(source.march)
+    hit = source.hit
+    dragon = source.march.dragon
+    cells = Grid.of(source.march)
     corners = dragon.outlines(source.march.at(hit.time).poses[0])
     title = text("{} of {} pairs of benches that share no hole share a cell, and are tested")
-    title = title.format(
-        len(cells.pairs(corners)), (dragon.benches - 1) * (dragon.benches - 2) // 2
-    )
+    pairs = (dragon.benches - 1) * (dragon.benches - 2) // 2
     origin = "({:g}, {:g})".format(*cells.origin).replace("-", "\u2212")
     subtitle = text("{}; cells of {:g} m, counted from {} m").format(source.end, cells.cell, origin)
-    figure = style.slide(title, subtitle)
-    axes = style.panels(figure)
-    # Cells around the benches. 0: empty; 1: one bench; 2: neighbours; 3: benches that are not
-    # neighbours.
+    figure = slide(title.format(len(cells.pairs(corners)), pairs), subtitle)
+    axes = panels(figure)
+
+    # Cells around the benches.
     filed, benches = cells.file(corners)
-    first, last = filed.min(axis=0) - 1, filed.max(axis=0) + 1
-    least, most = np.full(last - first + 1, dragon.benches), np.full(last - first + 1, -1)
-    np.minimum.at(least, tuple((filed - first).T), benches)
-    np.maximum.at(most, tuple((filed - first).T), benches)
-    colours = ListedColormap([style.COLOURS.background, style.FAINT, style.SHARED, style.CANDIDATE])
+    first = filed.min(axis=0) - 1
+    last = filed.max(axis=0) + 1
+    kinds = _kinds_of_cells(filed - first, benches, last - first + 1)
+    colours = ListedColormap([COLOURS.background, FAINT, SHARED, CANDIDATE])
     # The axes are column and row: a cell's indices are at its middle.
-    y, x = (np.arange(begin, end + 2) - 0.5 for begin, end in zip(first, last, strict=True))
-    lines: dict[str, Any] = {"edgecolor": style.RULE, "lw": 0.6, "gid": "cells"}
-    axes.pcolormesh(x, y, np.clip(most - least + 1, 0, 3), cmap=colours, vmin=0, vmax=3, **lines)
-    for bench, outline in enumerate((corners - cells.origin) / (cells.cell, -cells.cell) - 0.5):
+    x = np.arange(first[1], last[1] + 2) - 0.5
+    y = np.arange(first[0], last[0] + 2) - 0.5
+    lines: dict[str, Any] = {"edgecolor": RULE, "lw": 0.6, "gid": "cells"}
+    axes.pcolormesh(x, y, kinds, cmap=colours, vmin=0, vmax=3, **lines)
+
+    outlines = (corners - cells.origin) / (cells.cell, -cells.cell) - 0.5
+    number: dict[str, Any] = {"ha": "center", "va": "center", "size": SMALL}
+    for bench, outline in enumerate(outlines):
         hits = bench in (hit.benches or ())
-        drawn: dict[str, Any] = {
-            "color": style.COLOURS.contact if hits else style.COLOURS.ink,
-            "zorder": 3 + hits,
-        }
+        colour = COLOURS.contact if hits else COLOURS.ink
+        drawn: dict[str, Any] = {"color": colour, "zorder": 3 + hits}
         axes.fill(*outline.T, fill=False, lw=2.2 if hits else 1.1, gid=f"bench-{bench}", **drawn)
         # Numbers of shorter benches would cover each other.
         if hits or dragon.lengths[bench] >= 0.15 * cells.cell * len(x):
-            drawn |= {
-                "ha": "center",
-                "va": "center",
-                "size": style.SMALL,
-                "path_effects": style.halo(),
-            }
-            axes.text(*outline.mean(axis=0), str(bench), **drawn)
+            middle = outline.mean(axis=0)
+            axes.text(*middle, str(bench), path_effects=halo(), **number, **drawn)
+
     axes.set(aspect="equal", xlabel=text("column j"), ylabel=text("row i"))
     axes.locator_params(integer=True)
     axes.invert_yaxis()
     names = (text("one bench"), text("neighbours only"), text("candidates"))
-    patches = [
-        Patch(fc=colours(kind), ec=style.RULE, label=name) for kind, name in enumerate(names, 1)
-    ]
-    axes.legend(handles=patches, **style.BESIDE)
+    patches = [Patch(fc=colours(kind), ec=RULE, label=name) for kind, name in enumerate(names, 1)]
+    axes.legend(handles=patches, **BESIDE)
     return figure
 
 
-def _outer_loop(source: style.FigureSource) -> tuple[Run, Film]:
-    """Return the run and the film parameters of the picture of the dragon at its start."""
+def _kinds_of_cells(
+    filed: NDArray[np.integer], benches: NDArray[np.integer], shape: NDArray[np.integer]
+) -> NDArray[np.integer]:
+    """Kinds of cells: 0 empty, 1 with one bench, 2 with neighbours, 3 with other benches too.
+
+    `filed` (K, 2) are the cells in which the `benches` (K,) are.
+    """
+    indices = tuple(filed.T)
+    least = np.full(shape, benches.max())
+    np.minimum.at(least, indices, benches)
+    most = np.full(shape, -1)
+    np.maximum.at(most, indices, benches)
+    return np.asarray(np.clip(most - least + 1, 0, 3))
+
+
+def _outer_loop(source: FigureSource) -> tuple[Run, Film]:
+    """Run and film parameters of the picture of the dragon at its start."""
     return _still(source, source.begin, text("{} benches at the start"))
 
 
-def _inward(source: style.FigureSource) -> tuple[Run, Film]:
-    """Return the same as it closes a full loop: its path turns by 2 pi between tail and head."""
+def _inward(source: FigureSource) -> tuple[Run, Film]:
+    """Run and film of the dragon as it closes a loop: it turns by 2 pi between tail and head."""
     times = np.linspace(source.begin, source.hit.time, 2001)
     tangents = source.march.curve.tangent(source.march.handles_s(times))
-    angles = np.unwrap(np.arctan2(tangents[..., 1], tangents[..., 0]), axis=1)
-    closed = np.abs(angles[:, 0] - angles[:, -1]) >= 2 * np.pi
+    x, y = np.moveaxis(tangents, -1, 0)
+    angles = np.unwrap(np.arctan2(y, x), axis=1)
+    turned = np.abs(angles[:, 0] - angles[:, -1])
+    closed = turned >= 2 * np.pi
     # Half-way if the loop is always or never closed.
-    return _still(source, float(times[closed.argmax() or 1000]), text("{} benches on the path"))
+    time = float(times[closed.argmax() or 1000])
+    return _still(source, time, text("{} benches on the path"))
 
 
-def _collision(source: style.FigureSource) -> tuple[Run, Film]:
-    """Return the same at the first contact."""
+def _collision(source: FigureSource) -> tuple[Run, Film]:
+    """Run and film of the dragon at the first contact."""
     hit = source.hit
     if hit.contact is None:
         raise ParameterError("march", f"clear until {hit.time:g} s", "one that runs into itself")
@@ -224,67 +243,74 @@ def _collision(source: style.FigureSource) -> tuple[Run, Film]:
     return replace(run, first_contact=hit.contact, outcome="contact"), film
 
 
-def _still(source: style.FigureSource, time: float, title: str) -> tuple[Run, Film]:
-    """Return a run of one frame, and the parameters of its picture; the title has the number of benches."""
+def _still(source: FigureSource, time: float, title: str) -> tuple[Run, Film]:
+    """Run of one frame, and film with a title that has the number of benches."""
     # Pixels: twice the width at which two or three pictures fit side by side.
     film = Film(size=880, title=title.format(source.march.dragon.benches))
     return Run.exact(source.march, [time]), film
 
 
-def _gap(source: style.FigureSource) -> Figure:
-    """Draw the gap between the head and the benches that it passes at last, on a logarithmic scale."""
-    march, hit = source.march, source.hit
-    if march.dragon.benches < 3:
-        raise ParameterError("benches", march.dragon.benches, "3 or more: neighbours have no gap")
-    since = float(march.time(march.distance(hit.time) - _GAP_LENGTHS * march.dragon.lengths[0]))
-    since = max(source.begin, since)
-    misses = [miss for miss in hit.near_misses or () if miss.benches[0] == 0 and miss.time > since]
+def _gap(source: FigureSource) -> Figure:
+    """Draw the gap between the head and the benches that it passes at last."""
+    march = source.march
+    hit = source.hit
+    benches = march.dragon.benches
+    if benches < 3:
+        raise ParameterError("benches", benches, "3 or more: neighbours have no gap")
+    begin = march.distance(hit.time) - _GAP_LENGTHS * march.dragon.lengths[0]
+    since = max(source.begin, float(march.time(begin)))
+    later = [miss for miss in hit.near_misses or () if miss.time > since]
+    misses = [miss for miss in later if miss.benches[0] == 0]
+    title = text("How near the head comes to other benches than its neighbour")
     subtitle = text(
-        "gap between the head and the nearest bench but its neighbour; dashed: to each bench by itself"
+        "gap between the head and the nearest bench but its neighbour; "
+        "dashed: to each bench by itself"
     )
-    figure = style.slide(
-        text("How near the head comes to other benches than its neighbour"), subtitle
-    )
-    axes = style.panels(figure)
-    times = np.union1d(np.linspace(since, hit.time, 1000), [miss.time for miss in misses])
+    figure = slide(title, subtitle)
+    axes = panels(figure)
+
+    even = np.linspace(since, hit.time, 1000)
+    times = np.union1d(even, [miss.time for miss in misses])
     # In parts, to limit memory.
-    corners = (march.dragon.outlines(march.at(part).poses) for part in np.array_split(times, 10))
-    gaps = np.concatenate([separation(part[:, :1], part[:, 2:]).distance for part in corners])
+    parts = []
+    for part in np.array_split(times, 10):
+        corners = march.dragon.outlines(march.at(part).poses)
+        parts.append(separation(corners[:, :1], corners[:, 2:]).distance)
+    gaps = np.concatenate(parts)
+    dashes: dict[str, Any] = {"color": QUIET, "lw": 0.8, "ls": (0, (4, 2))}
     for row in np.unique(gaps.argmin(axis=1)).tolist():
-        axes.plot(
-            times, gaps[:, row], color=style.QUIET, lw=0.8, ls=(0, (4, 2)), gid=f"gap-{row + 2}"
-        )
+        axes.plot(times, gaps[:, row], gid=f"gap-{row + 2}", **dashes)
     smallest = gaps.min(axis=1)
-    low, high = float(smallest.min()) / 3, 3 * float(smallest.max())
-    axes.plot(times, smallest, color=style.BLUE, lw=2.0, gid="gap")
-    style.logarithmic(axes, "m", _MIN_GAP if hit.contact else max(_MIN_GAP, low), high)
+    axes.plot(times, smallest, color=BLUE, lw=2.0, gid="gap")
+
+    low = _MIN_GAP if hit.contact else max(_MIN_GAP, float(smallest.min()) / 3)
+    logarithmic(axes, "m", low, 3 * float(smallest.max()))
     axes.set(xlim=(since, hit.time), xlabel=text("time (s)"))
     for miss, marker in zip(misses, "osD^v", strict=False):
-        note = text("bench {}: {:.3f} mm\nat {:.3f} s").format(
-            miss.benches[1], 1e3 * miss.gap, miss.time
-        )
-        axes.plot(miss.time, miss.gap, marker, color=style.COLOURS.ink, ms=6, label=note)
+        note = text("bench {}: {:.3f} mm\nat {:.3f} s")
+        note = note.format(miss.benches[1], 1e3 * miss.gap, miss.time)
+        axes.plot(miss.time, miss.gap, marker, color=COLOURS.ink, ms=6, label=note)
     if hit.contact:
-        note = text("bench {}: contact\nat {:.4f} s").format(hit.contact.benches[1], hit.time)
-        axes.plot(
-            hit.time, _MIN_GAP, "X", color=style.COLOURS.contact, ms=8, label=note, clip_on=False
-        )
+        bench = hit.contact.benches[1]
+        note = text("bench {}: contact\nat {:.4f} s").format(bench, hit.time)
+        last: dict[str, Any] = {"color": COLOURS.contact, "ms": 8, "clip_on": False}
+        axes.plot(hit.time, _MIN_GAP, "X", label=note, **last)
     if misses or hit.contact:
-        axes.legend(**style.BESIDE)
+        axes.legend(**BESIDE)
     return figure
 
 
-def _speeds(source: style.FigureSource) -> Figure:
+def _speeds(source: FigureSource) -> Figure:
     """Draw the speed along the dragon at several times."""
     times = _several_times(source.begin, source.last_regular_time)
     values = source.march.at(times).speeds
     title = text("The handles go at {:.3f} to {:.3f} m/s").format(values.min(), values.max())
-    figure = style.slide(title, text("speed of every handle at several times, m/s"))
-    _bundle(style.panels(figure), values, times, "speed", text("handle, from the head to the tail"))
+    figure = slide(title, text("speed of every handle at several times, m/s"))
+    _bundle(panels(figure), values, times, "speed", text("handle, from the head to the tail"))
     return figure
 
 
-def _drift(source: style.FigureSource) -> Figure:
+def _drift(source: FigureSource) -> Figure:
     """Draw the engine's position error against the exact model over time."""
     from matplotlib.ticker import EngFormatter
 
@@ -293,87 +319,77 @@ def _drift(source: style.FigureSource) -> Figure:
         raise ParameterError("run", run and "one without position errors", "a run of `simulate`")
     metres = EngFormatter("m", places=1)
     title = text("The largest position error in a frame is {}").format(metres(run.max_drift))
-    figure = style.slide(
-        title, text("position errors of the benches, at the worse of their two holes")
-    )
-    axes = style.panels(figure)
+    subtitle = text("position errors of the benches, at the worse of their two holes")
+    figure = slide(title, subtitle)
+    axes = panels(figure)
+
     # Without the first frame, whose position error is 0.
-    frames = np.unique(np.linspace(1, len(run.times) - 1, 600).astype(np.intp))
-    some = text("largest of the first {}").format(HEAD_BENCHES)
-    worst = (
-        np.fmax.reduce(run.drift[frames], axis=1),
-        np.fmax.reduce(run.drift[frames, :HEAD_BENCHES], axis=1),
-    )
-    axes.plot(
-        run.times[frames],
-        worst[0],
-        color=style.BLUE,
-        lw=2.2,
-        gid="any-bench",
-        label=text("largest of all"),
-    )
-    axes.plot(
-        run.times[frames],
-        worst[1],
-        color=style.AMBER,
-        lw=2.2,
-        ls="--",
-        gid="first-benches",
-        label=some,
-    )
-    high = 10.0 ** np.ceil(np.log10(run.max_drift))
+    even = np.linspace(1, len(run.times) - 1, 600)
+    frames = np.unique(even.astype(np.intp))
+    times = run.times[frames]
+    errors = run.drift[frames]
+    name = text("largest of all")
+    worst = np.fmax.reduce(errors, axis=1)
+    axes.plot(times, worst, color=BLUE, lw=2.2, gid="any-bench", label=name)
+    name = text("largest of the first {}").format(HEAD_BENCHES)
+    worst = np.fmax.reduce(errors[:, :HEAD_BENCHES], axis=1)
+    axes.plot(times, worst, color=AMBER, lw=2.2, ls="--", gid="first-benches", label=name)
+
     # An engine with a position error as large as the smallest gap can find the wrong first contact.
-    gaps = [
-        miss.gap
-        for miss in source.hit.near_misses or ()
-        if run.times[0] <= miss.time <= run.times[-1]
-    ]
-    if gaps:
-        note = text("smallest gap: {}").format(metres(min(gaps)))
-        axes.axhline(
-            min(gaps), color=style.COLOURS.ink, lw=1.2, ls=":", gid="smallest-gap", label=note
-        )
-    style.logarithmic(axes, "m", 1e-4 * high, max(high, 2 * min(gaps, default=0.0)))
-    axes.set(xlim=(run.times[0], run.times[-1]), xlabel=text("time (s)"))
-    axes.legend(**style.BESIDE)
+    begin, end = run.times[[0, -1]]
+    misses = source.hit.near_misses or ()
+    gap = min((miss.gap for miss in misses if begin <= miss.time <= end), default=0.0)
+    if gap:
+        note = text("smallest gap: {}").format(metres(gap))
+        dots: dict[str, Any] = {"color": COLOURS.ink, "lw": 1.2, "ls": ":"}
+        axes.axhline(gap, gid="smallest-gap", label=note, **dots)
+    high = 10.0 ** np.ceil(np.log10(run.max_drift))
+    logarithmic(axes, "m", 1e-4 * high, max(high, 2 * gap))
+    axes.set(xlim=(begin, end), xlabel=text("time (s)"))
+    axes.legend(**BESIDE)
     return figure
 
 
-def _impulses(source: style.FigureSource) -> Figure:
+def _impulses(source: FigureSource) -> Figure:
     """Draw the force in every joint at several times: the mean over a substep."""
     run = source.run
     if run is None or run.joint_forces is None or run.substep is None:
         raise ParameterError("run", run and "one without forces in joints", "a run of `simulate`")
     # The frame of the contact follows a shortened substep, in which the joint solver has not
     # converged.
-    before = run.times < (run.first_contact.time if run.first_contact else np.inf)
-    times, forces = run.times[before], run.joint_forces[before]
+    contact = run.first_contact
+    before = run.times < (contact.time if contact else np.inf)
+    times = run.times[before]
+    forces = run.joint_forces[before]
     if not forces.max(initial=0.0) > 0:
-        raise ParameterError(
-            "run", "one without joint forces", "a run of `simulate` with a frame before the contact"
-        )
-    rows = np.unique(np.searchsorted(times, _several_times(times[0], times[-1])))
+        bound = "a run of `simulate` with a frame before the contact"
+        raise ParameterError("run", "one without joint forces", bound)
+
+    several = _several_times(times[0], times[-1])
+    rows = np.unique(np.searchsorted(times, several))
     title = text("The joints carry up to {:.2f} N").format(forces[rows].max())
-    subtitle = text("force in every joint, N: the mean over a substep of {:g} ms").format(
-        1e3 * run.substep
-    )
-    figure = style.slide(title, subtitle)
+    subtitle = text("force in every joint, N: the mean over a substep of {:g} ms")
+    figure = slide(title, subtitle.format(1e3 * run.substep))
     joint = text("joint, from the head to the tail; joint i is between benches i and i + 1")
-    _bundle(style.panels(figure), forces[rows], times[rows], "impulse", joint)
+    _bundle(panels(figure), forces[rows], times[rows], "impulse", joint)
     return figure
 
 
 def _several_times(begin: float, end: float) -> Array:
-    """Return a few round times, s, from `begin` on, and `end`."""
+    """A few round times, s, from `begin` on, and `end`."""
     from matplotlib.ticker import MaxNLocator
 
     ticks = MaxNLocator(5, steps=[1, 2, 5, 10]).tick_values(begin, end)
     # A tick within a fiftieth of the interval before the end is omitted.
-    return np.array([*(tick for tick in ticks if begin <= tick < end - (end - begin) / 50), end])
+    last = end - (end - begin) / 50
+    return np.array([*(tick for tick in ticks if begin <= tick < last), end])
 
 
 def _bundle(axes: Axes, values: Array, times: Array, gid: str, along: str) -> None:
-    """Draw lines of `values` (T, K) along the dragon, later ones darker, with their `times` in a legend."""
+    """Draw lines of `values` (T, K) along the dragon, later ones darker.
+
+    Their `times` are in a legend.
+    """
     from matplotlib import colormaps
 
     colours = colormaps["Blues"](np.linspace(0.4, 1.0, len(times)))
@@ -381,8 +397,8 @@ def _bundle(axes: Axes, values: Array, times: Array, gid: str, along: str) -> No
         axes.plot(line, color=colours[rank], lw=1.8, gid=f"{gid}-{rank}", label=f"{time:.5g} s")
     axes.set(xlim=(0, values.shape[1] - 1), xlabel=along)
     axes.locator_params(axis="x", integer=True)
-    axes.grid(axis="y", color=style.RULE, lw=0.6)
-    axes.legend(**style.BESIDE)
+    axes.grid(axis="y", color=RULE, lw=0.6)
+    axes.legend(**BESIDE)
 
 
 # All figures by name. 16 benches are the paper's small model, which closes a full loop before its

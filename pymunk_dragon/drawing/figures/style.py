@@ -28,27 +28,47 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-# Lines and text: darker than the palette's blue and amber, for a contrast of at least 4.5 to 1 on
-# the background.
-BLUE, AMBER = "#3a71a3", "#9a5f00"
-# Secondary text: a contrast of 5 to 1. Lines of less importance: 3 to 1.
-QUIET, PALE = "#5d6675", "#8a8d96"
-# Grid lines and frames. Fills behind all other elements.
-RULE, FAINT = "#d9cfb9", "#efe9db"
-# Cells that only neighbours share, and those with candidates for a contact: distinguishable in
-# greyscale.
-SHARED, CANDIDATE = "#d3dfe8", "#efb037"
+# Lines and text: darker than the palette's blue, for a contrast of at least 4.5 to 1 on the
+# background.
+BLUE = "#3a71a3"
+# Lines and text beside blue ones, with a contrast of at least 4.5 to 1 too.
+AMBER = "#9a5f00"
+# Secondary text: a contrast of 5 to 1.
+QUIET = "#5d6675"
+# Lines of less importance: a contrast of 3 to 1.
+PALE = "#8a8d96"
+# Grid lines and frames.
+RULE = "#d9cfb9"
+# Fills behind all other elements.
+FAINT = "#efe9db"
+# Cells that only neighbours share: distinguishable from candidates in greyscale.
+SHARED = "#d3dfe8"
+# Cells with candidates for a contact.
+CANDIDATE = "#efb037"
 # Pixels per inch: a page of 8 inches has 1600 pixels, twice the 800 at which it is displayed.
 _DPI = 200
-# Inches: sides of a figure that fills a slide, and the distance from its edges to its text.
-_SLIDE_WIDTH, _SLIDE_HEIGHT, _MARGIN = 8.0, 4.5, 0.3
-# Inches from a slide's top to its title, and to its subtitle; spacing of lines, in font sizes.
-_TITLE_TOP, _SUBTITLE_TOP, _LINE_SPACING = 0.24, 0.56, 1.25
-# Points: size of a title, smallest size of text, and width of the halo of text over a line.
-_TITLE_SIZE, SMALL, _HALO = 16, 10.5, 3.0
-# Area of a slide below its title, as left, bottom, width and height in fractions of the page;
-# inches between panels.
-_BELOW_TITLE, _PADDING = (0.02, 0.01, 0.96, 0.8), 0.1
+# Inches: width of a figure that fills a slide.
+_SLIDE_WIDTH = 8.0
+# Inches: height of a figure that fills a slide.
+_SLIDE_HEIGHT = 4.5
+# Inches from the left edge of a slide to its text.
+_MARGIN = 0.3
+# Inches from a slide's top to its title.
+_TITLE_TOP = 0.24
+# Inches from a slide's top to its subtitle.
+_SUBTITLE_TOP = 0.56
+# Font sizes from one line to the next.
+_LINE_SPACING = 1.25
+# Points: size of a title.
+_TITLE_SIZE = 16
+# Points: smallest size of text.
+SMALL = 10.5
+# Points: width of the halo of text over a line.
+_HALO = 3.0
+# Area of a slide below its title, as left, bottom, width and height in fractions of the page.
+_BELOW_TITLE = (0.02, 0.01, 0.96, 0.8)
+# Inches between panels.
+_PADDING = 0.1
 # Options of a legend beside axes.
 BESIDE: dict[str, Any] = {
     "loc": "upper left",
@@ -77,7 +97,10 @@ _RC_PARAMS: dict[str, Any] = {
 
 @contextmanager
 def styled() -> Iterator[None]:
-    """Context with the fonts and colours of all figures; restores matplotlib's settings at its end."""
+    """Context with the fonts and colours of all figures.
+
+    At its end it restores matplotlib's settings.
+    """
     matplotlib = library("matplotlib")
     # The parts in C that every figure needs.
     library("matplotlib.figure")
@@ -93,7 +116,7 @@ def styled() -> Iterator[None]:
 
 @cache
 def _register_font(name: str) -> str:
-    """Register the font of a language, the present one, with matplotlib; return the name of the font."""
+    """Register the font of a language, the present one, with matplotlib, and return its name."""
     file = font()
     if file is None:
         # The font of Pillow and the films. matplotlib reads it from a file only, perhaps until the
@@ -112,7 +135,7 @@ def _register_font(name: str) -> str:
 
 @cache
 def _figure_type() -> type[Figure]:
-    """Return the class of matplotlib figures that notebooks display without pyplot."""
+    """Class of matplotlib figures that notebooks display without pyplot."""
     from matplotlib.figure import Figure
 
     class NotebookFigure(Figure):
@@ -132,11 +155,8 @@ def chart(width: float, height: float) -> Figure:
 def slide(title: str, subtitle: str) -> Figure:
     """Create a figure that fills a slide, with a title and a subtitle in its upper left."""
     figure = _figure_type()(figsize=(_SLIDE_WIDTH, _SLIDE_HEIGHT), dpi=_DPI)
-    aligned: dict[str, Any] = {
-        "x": _MARGIN / _SLIDE_WIDTH,
-        "va": "top",
-        "linespacing": _LINE_SPACING,
-    }
+    left = _MARGIN / _SLIDE_WIDTH
+    aligned: dict[str, Any] = {"x": left, "va": "top", "linespacing": _LINE_SPACING}
     figure.text(y=1 - _TITLE_TOP / _SLIDE_HEIGHT, s=title, size=_TITLE_SIZE, **aligned)
     figure.text(y=1 - _SUBTITLE_TOP / _SLIDE_HEIGHT, s=subtitle, color=QUIET, **aligned)
     return figure
@@ -149,7 +169,7 @@ def panels(figure: Figure, rows: int = 1, columns: int = 1) -> Any:
 
 
 def halo() -> list[Any]:
-    """Return path effects that keep text readable on lines: a border in the background colour."""
+    """Path effects that keep text readable on lines: a border in the background colour."""
     from matplotlib.patheffects import withStroke
 
     return [withStroke(linewidth=_HALO, foreground=COLOURS.background)]
@@ -163,7 +183,10 @@ def plan(axes: Axes) -> None:
 
 
 def logarithmic(axes: Axes, unit: str, low: float, high: float) -> None:
-    """Set a logarithmic scale from `low` to `high`, in a unit with SI prefixes, with thin grid lines."""
+    """Set a logarithmic scale from `low` to `high`, in a unit with SI prefixes.
+
+    It has thin grid lines.
+    """
     from matplotlib.ticker import EngFormatter, NullFormatter
 
     axes.set(yscale="log", ylim=(low, high))
@@ -173,7 +196,10 @@ def logarithmic(axes: Axes, unit: str, low: float, high: float) -> None:
 
 @dataclass(frozen=True)
 class FigureSource:
-    """A march from `begin` to `until`, s, or to the end of its curve; and the run that it was taken from, if any."""
+    """A march from `begin` to `until`, s, or to the end of its curve.
+
+    `run` is the run that it was taken from, if any.
+    """
 
     march: March
     begin: float = 0.0
@@ -192,18 +218,19 @@ class FigureSource:
     @property
     def end(self) -> str:
         """Name and time of the first contact, or of the end."""
-        name = (
-            text("the first contact, {:.2f} s") if self.hit.contact else text("the end, {:.2f} s")
-        )
-        return name.format(self.hit.time)
+        if self.hit.contact:
+            return text("the first contact, {:.2f} s").format(self.hit.time)
+        return text("the end, {:.2f} s").format(self.hit.time)
 
     @property
     def last_regular_time(self) -> float:
         """Time of the contact, or shortly before an end without contact, s."""
-        return self.hit.time - (
-            0 if self.hit.contact else _IRREGULAR_FRACTION * (self.hit.time - self.begin)
-        )
+        time = self.hit.time
+        return time if self.hit.contact else time - _IRREGULAR_FRACTION * (time - self.begin)
 
     def path(self, first: float, last: float, points: int = 2400) -> Array:
-        """Points (P, 2), m, of the curve between two coordinates, m: by default about 150 on a turn of the paper's."""
+        """Points (P, 2), m, of the curve between two arc-length coordinates, m.
+
+        By default about 150 of them are on a turn of the paper's spiral.
+        """
         return self.march.curve.point(np.linspace(first, last, points))

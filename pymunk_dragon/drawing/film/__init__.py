@@ -25,8 +25,10 @@ from pymunk_dragon.drawing.film.take import checked_sources, shared_window, take
 from pymunk_dragon.drawing.film.timing import Timing, frame_times
 from pymunk_dragon.drawing.snapshots import Source
 
-# All endings of films and of still pictures, in lower case.
-FILM_ENDINGS, STILL_ENDINGS = tuple(WRITERS), (".png",)
+# Endings of films, in lower case.
+FILM_ENDINGS = tuple(WRITERS)
+# Endings of still pictures, in lower case.
+STILL_ENDINGS = (".png",)
 
 
 def render(
@@ -36,7 +38,7 @@ def render(
     progress: Callable[[int, int], None] | None = None,
     **parameters: Any,
 ) -> Timing:
-    """Write a film of a run or march, or of several side by side, or a picture of the film's last time.
+    """Write a film of a run or march, or of several side by side, or a picture of its last time.
 
     Parameters
     ----------
@@ -50,7 +52,7 @@ def render(
     film : Film, optional
         Speed, size, window, camera, marks and texts.
     progress : callable, optional
-        Function called for each frame with the number of frames done and the number of all frames.
+        Function called after each frame with the number of frames done and of all frames.
     **parameters
         Parameters of a `Film` by their names, instead of those of `film`.
 
@@ -75,7 +77,8 @@ def render(
     Examples
     --------
     >>> from pymunk_dragon import Dragon, March, render
-    >>> timing = render(March(Dragon(benches=16)), "march.gif", size=320, until=60, title="16 benches")
+    >>> march = March(Dragon(benches=16))
+    >>> timing = render(march, "march.gif", size=320, until=60, title="16 benches")
     >>> timing.fps, float(timing.ends[-1])  # frames per second, and length of the film in s
     (20, 8.0)
     >>> timing.size  # with the title above and the legend below
@@ -90,10 +93,12 @@ def render(
     still = ending in STILL_ENDINGS
     takes = takes_of_film(sources, film, still=still)
     timing = frame_times(takes, film)
+
     layout = Layout(takes, timing.times, film)
     pictures = passed_on(layout.frames() if still else layout.pictures(progress))
     size = written_size(ending, layout.size)
-    frames = Frames(pictures=pictures, ends=timing.ends.tolist(), size=size, fps=timing.fps)
+    ends = timing.ends.tolist()
+    frames = Frames(pictures=pictures, ends=ends, size=size, fps=timing.fps)
     with written_in_place(destination) as draft:
         if still:
             draft.write_bytes(_png(next(pictures)))
@@ -103,7 +108,7 @@ def render(
 
 
 def still_png(source: Source | Sequence[Source], time: float, film: Film | None = None) -> bytes:
-    """Return the content of a PNG file of a run or march, or of several side by side, at one time, s.
+    """Content of a PNG file of a run or march, or of several side by side, at one time, s.
 
     The film has size, camera, marks and texts; its time window is ignored.
 
@@ -124,17 +129,18 @@ def still_png(source: Source | Sequence[Source], time: float, film: Film | None 
     sources = checked_sources(source)
     finite("time", time, *shared_window(sources), "s")
     film = _checked(film)
-    layout = Layout(takes_in((time, time), sources, film), np.array([time], dtype=float), film)
+    takes = takes_in((time, time), sources, film)
+    layout = Layout(takes, np.array([time], dtype=float), film)
     return _png(next(layout.frames()))
 
 
 def _checked(film: Film | None) -> Film:
-    """Return the film, or one with the default parameters."""
+    """The film, or one with the default parameters."""
     return Film() if film is None else instance("film", film, Film, "a Film")
 
 
 def _png(picture: Image.Image) -> bytes:
-    """Return the content of a PNG file of a picture."""
+    """Content of a PNG file of a picture."""
     content = io.BytesIO()
     picture.save(content, "PNG", optimize=True)
     return content.getvalue()

@@ -88,14 +88,20 @@ class Frames:
     size: tuple[int, int]
     fps: int
 
+    def pixels(self, mode: str) -> Iterator[np.ndarray[Any, Any]]:
+        """Yield the pixels of each frame, cropped to the size, in a mode of Pillow."""
+        for picture in self.pictures:
+            cropped = picture.crop((0, 0, *self.size))
+            yield np.asarray(cropped.convert(mode))
+
     def durations(self, ticks: int) -> list[int]:
-        """Return how long each frame is shown, in units of 1 / `ticks` s, such that rounding does not accumulate."""
+        """Durations of the frames, in 1 / `ticks` s, whose rounding does not accumulate."""
         ends = [round(end * ticks) for end in self.ends]
-        return [end - start for start, end in zip([0, *ends], ends, strict=False)]
+        return np.diff(ends, prepend=0).tolist()
 
 
 def written_size(ending: str, size: tuple[int, int]) -> tuple[int, int]:
-    """Return the size, pixels, of pictures of a size in a file with an ending.
+    """Size, pixels, of pictures of a size in a file with an ending.
 
     An MP4 has colours at half of the resolution, so its sizes are even.
     """
@@ -115,12 +121,14 @@ def _write_gif(path: Path, frames: Frames) -> None:
     before: Image.Image | None = None
     with path.open("wb") as file:
         for picture, delay in zip(frames.pictures, frames.durations(100), strict=True):
-            shown, box = picture.copy(), (0, 0, *frames.size)
+            shown = picture.copy()
+            box = (0, 0, *frames.size)
             if before is None:
                 file.writelines(GifImagePlugin.getheader(shown, info={"loop": 0})[0])
             else:
                 change = ImageChops.subtract_modulo(picture, before)
-                shown.paste(_TRANSPARENT, mask=change.point([255, *(0,) * 255], "1"))
+                unchanged = change.point([255, *(0,) * 255], "1")
+                shown.paste(_TRANSPARENT, mask=unchanged)
                 # A frame that is equal is one pixel.
                 box = change.getbbox() or (0, 0, 1, 1)
             # Pillow takes the delay in ms.
@@ -147,7 +155,7 @@ def _write_mp4(path: Path, frames: Frames) -> None:
     # imageio takes an iterator, but its annotations do not say so.
     pixels: Any = _repeated(frames, counts)
 
-    # It warns of an FFmpeg that has ended early, which is an error here.
+    # imageio_ffmpeg warns of an FFmpeg that has ended early, which is an error here.
     getLogger("imageio_ffmpeg").setLevel(ERROR)
     try:
         iio.imwrite(path, pixels, fps=frames.fps, **_MP4_OPTIONS)
@@ -167,14 +175,13 @@ def _write_mp4(path: Path, frames: Frames) -> None:
 
 def _repeated(frames: Frames, counts: Sequence[int]) -> Iterator[np.ndarray[Any, Any]]:
     """Yield the pixels (H, W, 3) of each frame as often as `counts` (F,) says."""
-    for picture, count in zip(frames.pictures, counts, strict=True):
-        pixels = np.asarray(picture.crop((0, 0, *frames.size)).convert("RGB"))
+    for pixels, count in zip(frames.pixels("RGB"), counts, strict=True):
         for _ in range(count):
             yield pixels
 
 
 def _frame_count(path: Path) -> int:
-    """Return the number of frames in the index of an MP4; 0 if the file is not complete.
+    """Number of frames in the index of an MP4; 0 if the file is not complete.
 
     FFmpeg writes the index last, although it is before the data. So an index before complete data
     proves that FFmpeg succeeded, and no frame needs to be decoded.
@@ -194,7 +201,7 @@ def _frame_count(path: Path) -> int:
 
 
 def _box(file: BinaryIO, kind: bytes, begin: int, end: int) -> tuple[int, int]:
-    """Return where the content of the first box of a kind in a part of an MP4 begins and ends.
+    """Begin and end of the content of the first box of a kind in a part of an MP4.
 
     A `ValueError` is raised if there is none.
     """
@@ -226,8 +233,8 @@ def _write_webp(path: Path, frames: Frames) -> None:
         raise ParameterError("size", frames.size, bound)
 
     pixels = np.empty((count, height, width, _WEBP_PIXEL), np.uint8)
-    for frame, picture in zip(pixels, frames.pictures, strict=True):
-        frame[:] = np.asarray(picture.crop((0, 0, *frames.size)).convert("RGBA"))
+    for kept, drawn in zip(pixels, frames.pixels("RGBA"), strict=True):
+        kept[:] = drawn
 
     writer = iio.imopen("<bytes>", "w", plugin="pillow", extension=".webp")
     try:

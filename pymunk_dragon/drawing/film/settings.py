@@ -11,12 +11,14 @@ from pymunk_dragon.drawing.camera import Camera
 from pymunk_dragon.drawing.marks import OVERLAYS
 from pymunk_dragon.errors import ParameterError
 
-# Frames per second, of which whole centiseconds are delays in a GIF; at most the refresh rate of
-# common screens.
-_FPS, _MAX_FPS = 20, 60
-# Pixels: in a smaller picture the text covers the dragon, and a film is not a suitable format for
-# larger ones.
-_SIZES = 64, 2048
+# Frames per second, of which the delay in a GIF is a whole number of centiseconds.
+_FPS = 20
+# Frames per second: the refresh rate of common screens.
+_MAX_FPS = 60
+# Pixels: in a smaller picture the text covers the dragon.
+_MIN_SIZE = 64
+# Pixels: a film is not a suitable format for larger pictures.
+_MAX_SIZE = 2048
 # s: a longer one is taken for a typing error.
 _MAX_HOLD = 60.0
 # Characters of a text: more are higher than a film.
@@ -37,11 +39,13 @@ class Film:
     size : int or tuple of int
         Width and height of the picture without texts, pixels; one number for a square. An MP4
         leaves out the last column or row that would make the size of the film odd.
-    start, until : float, optional
-        Simulated time of the first and the last frame, s. By default a film with a constant speed
-        begins with the run, any other late enough to be 11 s long, and both end with the run. A
-        march ends with its first contact, or after 60 s if there is none or its curve has no end;
-        several marches require `until`.
+    start : float, optional
+        Simulated time of the first frame, s. By default a film with a constant speed begins with
+        the run, any other late enough to be 11 s long.
+    until : float, optional
+        Simulated time of the last frame, s; by default the end of the run. A march ends with its
+        first contact, or after 60 s if there is none or its curve has no end; several marches
+        require `until`.
     hold : float
         Duration of the last frame, s.
     camera : Camera
@@ -51,8 +55,10 @@ class Film:
     show : tuple of str
         Overlays by their names in `OVERLAYS`: "velocities"; "grid"; "contacts", for runs only;
         "impulses" in the joints, for runs of the engine only.
-    title, caption : str
-        Text above and below the picture; the height of the film increases accordingly.
+    title : str
+        Text above the picture; the height of the film increases accordingly.
+    caption : str
+        Text below the picture, which adds to the height too.
     headings : tuple of str
         Text above each of several pictures side by side; by default the model that computed the
         run.
@@ -90,11 +96,11 @@ class Film:
         if len(self.shape) != 2:
             raise ParameterError("size", self.size, "one number, or a width and a height")
         for length in self.shape:
-            whole("size", length, *_SIZES)
+            whole("size", length, _MIN_SIZE, _MAX_SIZE)
         finite("hold", self.hold, 0.0, _MAX_HOLD, "s")
-        for name in ("start", "until"):
-            if getattr(self, name) is not None:
-                finite(name, getattr(self, name), -math.inf, math.inf, "s")
+        for name, time in (("start", self.start), ("until", self.until)):
+            if time is not None:
+                finite(name, time, -math.inf, math.inf, "s")
         instance("camera", self.camera, Camera, "a Camera")
         flag("legend", self.legend)
         for overlay in instance("show", self.show, tuple, "a tuple of overlays"):
@@ -112,10 +118,7 @@ class Film:
         return self.size if isinstance(self.size, tuple) else (self.size, self.size)
 
     def texts(self, headings: Sequence[str]) -> list[tuple[str, str]]:
-        """Return the names and values of title, caption and headings."""
-        headings = instances("headings", headings, str, "texts")
-        return [
-            ("title", self.title),
-            ("caption", self.caption),
-            *(("headings", each) for each in headings),
-        ]
+        """Names and values of title, caption and headings."""
+        texts = [("title", self.title), ("caption", self.caption)]
+        texts += (("headings", each) for each in instances("headings", headings, str, "texts"))
+        return texts

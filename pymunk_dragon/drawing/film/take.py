@@ -1,4 +1,4 @@
-"""Takes: each source of a film with the time window, the first contact and the near misses that the film shows.
+"""Takes: each source of a film, with what the film shows of it.
 
 Each march of a film is searched for its first contact here, at most once.
 """
@@ -53,30 +53,37 @@ class Take(Snapshots):
 
     @property
     def moving(self) -> Window:
-        """First and last time, s, of the motion in the window: a run that has ended does not move."""
+        """First and last time, s, of the motion in the window: an ended run does not move."""
         if self.run is None:
             return self.window
-        start, until = np.clip(self.window, *self.run.times[[0, -1]]).tolist()
+        times = self.run.times
+        start, until = np.clip(self.window, times[0], times[-1]).tolist()
         return start, until
 
     @property
     def near_misses(self) -> tuple[NearMiss, ...]:
         """Near misses of the exact model in the window. A run with free benches has none."""
+        if self.search is None or not self._keeps_to_march:
+            return ()
         start, until = self.moving
-        found = (
-            () if self.search is None or not self._keeps_to_march else self.search.near_misses or ()
-        )
+        found = self.search.near_misses or ()
         return tuple(miss for miss in found if start <= miss.time <= until)
 
     @property
     def searched(self) -> Window | None:
-        """Time interval, s, in which the first contact and the near misses of the exact model can be in the film."""
+        """Time interval, s, of the search for what the film can show of the exact model.
+
+        This is the first contact and the near misses.
+        """
+        if not self._keeps_to_march:
+            return None
         start, until = self.moving
-        contact = None if self.beside is None else self.beside.first_contact
-        if self.beside is not None and contact is not None and contact.time <= start:
-            # A contact before the window is still shown in it.
-            start = float(self.beside.times[0])
-        return (start, until) if start < until and self._keeps_to_march else None
+        if self.beside is not None:
+            contact = self.beside.first_contact
+            if contact is not None and contact.time <= start:
+                # A contact before the window is still shown in it.
+                start = float(self.beside.times[0])
+        return (start, until) if start < until else None
 
     @property
     def _keeps_to_march(self) -> bool:
@@ -85,7 +92,7 @@ class Take(Snapshots):
 
 
 def checked_sources(source: Any) -> tuple[Snapshots, ...]:
-    """Return the states of `source`, one run or march or a sequence of them."""
+    """States of `source`, one run or march or a sequence of them."""
     sources = tuple(source) if isinstance(source, Sequence) else (source,)
     if not sources or not all(isinstance(each, Run | March) for each in sources):
         raise ParameterError("source", source, "a Run or a March, or a list of them")
@@ -93,25 +100,31 @@ def checked_sources(source: Any) -> tuple[Snapshots, ...]:
 
 
 def shared_window(sources: Sequence[Snapshots]) -> Window:
-    """Return the time interval, s, in which all sources can be shown; a run that has ended keeps its last frame."""
-    runs = [source.run.times[[0, -1]] for source in sources if source.run is not None]
+    """Time interval, s, in which all sources can be shown.
+
+    A run that has ended keeps its last frame.
+    """
+    runs = [source.run.times for source in sources if source.run is not None]
     if not runs:
         return -MAX_TIME, min(MAX_TIME, *(source.march.end for source in sources))
-    begins, ends = np.transpose(runs).tolist()
-    return max(begins), max(ends)
+    begin = max(float(times[0]) for times in runs)
+    return begin, max(float(times[-1]) for times in runs)
 
 
 def takes_of_film(
     sources: Sequence[Snapshots], film: Film, *, still: bool = False
 ) -> tuple[Take, ...]:
-    """Return the takes of a film, or of a picture of its last time.
+    """Takes of a film, or of a picture of its last time.
 
     A ParameterError is raised if the film's window does not fit the sources.
     """
     begin, end = shared_window(sources)
     has_run = any(source.run is not None for source in sources)
-    first = begin if has_run else 0.0
-    start = finite("start", first if film.start is None else film.start, begin, end, "s")
+    start = film.start
+    if start is None:
+        start = begin if has_run else 0.0
+    start = finite("start", start, begin, end, "s")
+
     search = None
     last = film.until
     if last is None and has_run:
@@ -125,28 +138,33 @@ def takes_of_film(
 def takes_in(
     window: Window, sources: Sequence[Snapshots], film: Film, known: FirstContact | None = None
 ) -> tuple[Take, ...]:
-    """Return the takes of a time window. `known` is the result of the search if it was made for the only source."""
-    takes = [
-        Take(march=each.march, run=each.run, window=window, beside=_beside(each, sources))
-        for each in sources
-    ]
+    """Takes of a time window.
+
+    `known` is the result of the search if it was made for the only source.
+    """
+    takes = []
+    for each in sources:
+        beside = _beside(each, sources)
+        takes.append(Take(march=each.march, run=each.run, window=window, beside=beside))
 
     # A march and its runs share one search.
     searches: dict[int, FirstContact | None] = {}
     for march in (take.march for take in takes):
-        if id(march) not in searches:
-            interval = _searched([take for take in takes if take.march is march], film)
-            searches[id(march)] = (
-                None if interval is None else known or _first_contact_until(march, *interval)
-            )
+        if id(march) in searches:
+            continue
+        interval = _searched([take for take in takes if take.march is march], film)
+        search = None
+        if interval is not None:
+            search = known or _first_contact_until(march, *interval)
+        searches[id(march)] = search
     return tuple(replace(take, search=searches[id(take.march)]) for take in takes)
 
 
 def _default_end(march: March, start: float) -> tuple[FirstContact | None, float]:
-    """Return the time at which a film of a march ends by default, s, and the search that was made for it.
+    """Search for the default end of a film of a march, if one is needed, and this end, s.
 
-    It is the time of the first contact, or 60 s after `start` if there is none, or if the curve has
-    no end.
+    The end is the time of the first contact, or 60 s after `start` if there is none, or if the
+    curve has no end.
     """
     search = None
     if start < march.end < math.inf:
@@ -157,13 +175,17 @@ def _default_end(march: March, start: float) -> tuple[FirstContact | None, float
 
 
 def _first_contact_until(march: March, start: float, until: float) -> FirstContact:
-    """Search for the first contact of the exact model from `start` to `until`, s, including a contact at `until`."""
-    found = first_contact(march, start=start, until=min(until + _CONTACT_MARGIN, march.end))
+    """Search for the first contact of the exact model from `start` to `until`, s.
+
+    A contact at `until` is included.
+    """
+    end = min(until + _CONTACT_MARGIN, march.end)
+    found = first_contact(march, start=start, until=end)
     return replace(found, time=min(found.time, until))
 
 
 def _beside(source: Snapshots, sources: Sequence[Snapshots]) -> Run | None:
-    """Return the run that is shown beside its exact march."""
+    """Run that is shown beside its exact march."""
     if source.run is not None:
         return None
     runs = (other.run for other in sources if other.march is source.march)
@@ -171,7 +193,7 @@ def _beside(source: Snapshots, sources: Sequence[Snapshots]) -> Run | None:
 
 
 def _searched(takes: Sequence[Take], film: Film) -> Window | None:
-    """Return the time interval, s, in which a film needs the search for the takes of one march."""
+    """Time interval, s, in which a film needs the search for the takes of one march."""
     # The first contact of a run is known, and near misses are not needed at a constant speed.
     needed = [take for take in takes if take.run is None or film.speedup is None]
     intervals = [take.searched for take in needed if take.searched is not None]

@@ -1,4 +1,6 @@
-"""Times of a film's frames, at a constant speed or at one that falls towards near misses and contacts.
+"""Times of a film's frames.
+
+The speed is constant, or falls towards near misses and contacts.
 
 Without `speedup`, the time of the film is a smooth, rising function of the simulated time t: t /
 rate, and a sigmoid (arctan) for every event, which adds a duration around the event. So the film
@@ -26,12 +28,18 @@ _ADVANCE = {"field": 0.4, "head": 0.1}
 # s: length of a film whose start is chosen, without the hold of its last frame: 170 frames, or a
 # GIF of 3.7 MB.
 _CHOSEN_LENGTH = 8.5
-# s: shortest film without hold, and the longest without events. A shorter one plays at half of real
-# time far from events, or slower if the limit on the head's travel demands it; a longer one does
-# not keep this limit.
-_SHORTEST, _LONGEST, _SLOWEST = 5.5, 60.0, 0.5
-# s of film that a near miss adds, and that a contact adds (a film that ends with it has half).
-_NEAR_MISS_TIME, _CONTACT_TIME = 1.0, 2.0
+# s: shortest film without hold. A shorter one plays at `_SLOWEST` far from events, or slower if the
+# limit on the head's travel demands it.
+_SHORTEST = 5.5
+# s: longest film without hold and without events. A longer one does not keep the limit on the
+# head's travel.
+_LONGEST = 60.0
+# Simulated seconds per second of film: half of real time.
+_SLOWEST = 0.5
+# s of film that a near miss adds.
+_NEAR_MISS_TIME = 1.0
+# s of film that a contact adds; a film that ends with it has half.
+_CONTACT_TIME = 2.0
 # Half of the width of an event, in shortest spacings travelled: 0.7 m.
 _EVENT_WIDTH = 0.45
 # Frames: a quarter of an hour. A larger number is taken for a typing error.
@@ -42,10 +50,11 @@ _POINTS = 20_001
 
 @dataclass(frozen=True)
 class Timing:
-    """Simulated times (F,) of the frames of a film, s; frames per second; and how long the last frame stays, s.
+    """Simulated times (F,) of the frames of a film, s, and frames per second.
 
-    `size` is the width and height of the film in its file, pixels; None before it is written.
-    `is_cropped` is whether the pictures lost a row or a column there.
+    `hold` is how long the last frame stays, s. `size` is the width and height of the film in its
+    file, pixels; None before it is written. `is_cropped` is whether the pictures lost a row or a
+    column there.
     """
 
     times: Array
@@ -57,13 +66,15 @@ class Timing:
     @property
     def ends(self) -> Array:
         """Film times (F,) at which the frames end, s."""
-        count = len(self.times)
-        return np.append(np.arange(1, count), count - 1 + max(1.0, self.hold * self.fps)) / self.fps
+        last = len(self.times) - 1
+        ends = np.arange(1.0, last + 2)
+        ends[-1] = last + max(1.0, self.hold * self.fps)
+        return ends / self.fps
 
 
 @dataclass(frozen=True)
 class _Event:
-    """A near miss or a contact: simulated time, s, duration of film that it adds, s, and its width, s."""
+    """A near miss or a contact: its simulated time, the film that it adds, and its width, all s."""
 
     time: float
     added: float
@@ -71,7 +82,7 @@ class _Event:
 
 
 def frame_times(takes: Sequence[Take], film: Film) -> Timing:
-    """Return the times of the frames of a film; a ParameterError if there are too many frames."""
+    """Times of the frames of a film; a ParameterError is raised if there are too many frames."""
     start, until = takes[0].window
     if film.speedup is None and start < until:
         return Timing(_slowed(takes, film), film.fps, film.hold)
@@ -79,40 +90,44 @@ def frame_times(takes: Sequence[Take], film: Film) -> Timing:
     # A remainder of rounding error gets no frame of its own; the last time is always there.
     count = math.ceil((until - start) / step - 1e-6)
     if count > _MAX_FRAMES:
-        raise ParameterError(
-            "speedup", film.speedup, f"such that the film has at most {_MAX_FRAMES} frames"
-        )
+        bound = f"such that the film has at most {_MAX_FRAMES} frames"
+        raise ParameterError("speedup", film.speedup, bound)
     times = np.minimum(start + step * np.arange(count + 1), until)
     return Timing(times, film.fps, film.hold)
 
 
 def _slowed(takes: Sequence[Take], film: Film) -> Array:
-    """Times of a film that slows down towards events. Without `film.start` it may begin after the window's first time.
+    """Times of a film that slows down towards events.
 
-    In a frame the head travels at most so many shortest spacings of the body as `_ADVANCE` says.
+    Without `film.start` it may begin after the window's first time. In a frame the head travels at
+    most so many shortest spacings of the body as `_ADVANCE` says.
     """
     start, until = window = takes[0].window
-    # s: the least time in which the head travels so far. Without the head's spacing, if there is
-    # another.
-    marches = [take.march for take in takes]
-    spacings = [
-        float(march.dragon.spacings[-max(1, march.dragon.benches - 1) :].min()) for march in marches
-    ]
-    fastest = [march.speed_profile.fastest(start, until) for march in marches]
-    least = min(spacing / speed for spacing, speed in zip(spacings, fastest, strict=True))
-    rate = film.fps * _ADVANCE[film.camera.follow] * least
     events = _events_of(takes)
+    # s: the least time in which the head travels a spacing of the body.
+    least = math.inf
+    for march in (take.march for take in takes):
+        fastest = march.speed_profile.fastest(start, until)
+        least = min(least, float(march.dragon.spacings[1:].min()) / fastest)
+    rate = film.fps * _ADVANCE[film.camera.follow] * least
     if film.start is None:
         times, shown = _film_times(window, rate, events)
         start = float(np.interp(shown[-1] - _CHOSEN_LENGTH, shown, times))
-    rate = max(rate, (until - start) / _LONGEST)
+    duration = until - start
+    rate = max(rate, duration / _LONGEST)
+
+    # A film that would be too short plays more slowly, but not below half of real time.
     _, added = _film_times((start, until), math.inf, events)
-    if added[-1] + (until - start) / rate < _SHORTEST:
-        rate = max((until - start) / (_SHORTEST - float(added[-1])), min(rate, _SLOWEST))
+    if added[-1] + duration / rate < _SHORTEST:
+        needed = duration / (_SHORTEST - float(added[-1]))
+        rate = max(needed, min(rate, _SLOWEST))
+
     times, shown = _film_times((start, until), rate, events)
     count = max(1, round(shown[-1] * film.fps))
-    chosen: Array = np.interp(shown[-1] * np.arange(count + 1) / count, shown, times)
-    chosen[0], chosen[-1] = start, until
+    even = shown[-1] * np.arange(count + 1) / count
+    chosen: Array = np.interp(even, shown, times)
+    chosen[0] = start
+    chosen[-1] = until
     return chosen
 
 
@@ -123,12 +138,16 @@ def _film_times(
     times = np.linspace(*window, _POINTS)
     film = (times - times[0]) / rate
     for event in events:
-        film += event.added / np.pi * np.arctan((times - event.time) / event.width)
+        sigmoid = np.arctan((times - event.time) / event.width)
+        film += event.added / np.pi * sigmoid
     return times, film - film[0]
 
 
 def _events_of(takes: Sequence[Take]) -> list[_Event]:
-    """Near misses and first contacts in a film. Events of two takes that are closer than half a width are one."""
+    """Near misses and first contacts in a film, by time.
+
+    Events of two takes that are closer than half a width are one, the one that adds most film.
+    """
     found = [event for take in takes for event in _events(take)]
     events: list[_Event] = []
     for event in sorted(found, key=lambda event: (-event.added, event.time)):
@@ -148,4 +167,4 @@ def _events(take: Take) -> list[_Event]:
     # The time in which the head travels `_EVENT_WIDTH` spacings.
     width = _EVENT_WIDTH * float(take.march.dragon.spacings.min())
     speed = take.march.speed_profile.at
-    return [_Event(time, each, width / float(speed(time))) for time, each in added.items()]
+    return [_Event(time, film, width / float(speed(time))) for time, film in added.items()]
