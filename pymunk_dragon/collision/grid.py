@@ -169,7 +169,7 @@ class Grid:
         return np.stack(np.divmod(codes, n), axis=-1).astype(np.intp, copy=False)
 
     def _in_cells(self, name: str, points: Array) -> tuple[Array, Array]:
-        """Distances (...) of `points` (..., 2) from the origin, in cells to the right and downward."""
+        """Distances (...) of `points` (..., 2) from the origin in cells: right, and downward."""
         offset = points - self.origin
         inside = np.abs(offset) <= _MAX_INDEX * self.cell
         if not inside.all():
