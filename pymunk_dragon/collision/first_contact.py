@@ -143,7 +143,7 @@ def first_contact(
     march.handles_s(start)  # An error names the time of this march.
     unit = march.at_unit_speed()
     begin, end = march.distance([start, until]).tolist()
-    # Not beyond the end of the curve by rounding.
+    # Rounding must not put the end beyond that of the curve.
     if until == march.end:
         end = unit.end
     elif until < march.end:

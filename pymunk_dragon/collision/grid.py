@@ -165,13 +165,11 @@ class Grid:
         one = benches[owner]
         two = benches[other]
         far = two - one > 1
-        # `np.unique` would do the rest, but imports masked arrays.
-        codes = np.sort(one[far] * n + two[far])
-        codes = codes[np.diff(codes, prepend=-1) > 0]
+        codes = np.unique(one[far] * n + two[far])
         return np.stack(np.divmod(codes, n), axis=-1).astype(np.intp, copy=False)
 
     def _in_cells(self, name: str, points: Array) -> tuple[Array, Array]:
-        """Distances (...) of `points` (..., 2) from the origin in cells, to the right and downward."""
+        """Distances (...) of `points` (..., 2) from the origin in cells: right, and downward."""
         offset = points - self.origin
         inside = np.abs(offset) <= _MAX_INDEX * self.cell
         if not inside.all():
