@@ -26,7 +26,7 @@ SHORT = ["--from", "412.3"]
 
 @pytest.fixture
 def answer(call):
-    """Call the program, which has to succeed: the JSON object that it prints, or what it prints otherwise."""
+    """Call the program, which succeeds: its JSON object, or what it prints otherwise."""
 
     def answered(*arguments):
         code, out, err = call(*arguments)

@@ -1,4 +1,4 @@
-"""Both phases: separations of rectangles against Shapely, walks of edges by hand, pairs by brute force."""
+"""Separations of rectangles against Shapely, edges against walks by hand, pairs by brute force."""
 
 from itertools import combinations
 
@@ -306,7 +306,7 @@ def test_paper_grid_starts_at_the_upper_left_and_counts_down_and_right(seed_marc
 
 
 def on_quarters(rng, n, spread, sizes):
-    """Outlines (n, 4, 2) at random, a third of them along the axes with corners on quarters of a cell."""
+    """Random outlines (n, 4, 2); a third lie along the axes, with corners on quarters of a cell."""
     x, y, angle = (
         rng.uniform(-spread, spread, n),
         rng.uniform(-spread, spread, n),

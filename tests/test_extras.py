@@ -25,7 +25,7 @@ WRITERS = {
 
 
 def run_without(tmp_path, library, source, replaced):
-    """Exit code and stderr of a program in which a library has the given source; its file must be kept."""
+    """Exit code and stderr of a program whose library has this source; its file must be kept."""
     name, arguments = WRITERS[library]
     stubs = tmp_path / "stubs"
     (stubs / library).mkdir(parents=True)

@@ -1,4 +1,4 @@
-"""Films in every format: what is in the file, how long it plays, which part it shows, and what stands side by side."""
+"""Films in each format: contents, duration, the part that is shown, and films side by side."""
 
 import subprocess
 import textwrap
@@ -389,7 +389,7 @@ def test_title_and_caption_stand_outside_the_picture_in_as_many_lines_as_they_ne
 
 
 def brute_force(text, height, width):
-    """Lines with the largest number of characters with which all are narrow enough, found one by one."""
+    """Lines with the most characters with which all are narrow enough, found one by one."""
     for columns in range(max(1, len(text)), 0, -1):
         lines = [lettering.line(part, height) for part in textwrap.wrap(text, columns)]
         if all(each.width <= width for each in lines):

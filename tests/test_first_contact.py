@@ -1,4 +1,4 @@
-"""The first contact: against many digits, against Shapely, and where looking every so often goes wrong."""
+"""The first contact, against many digits, Shapely, and samples that miss it."""
 
 import math
 from dataclasses import FrozenInstanceError, replace
@@ -84,7 +84,7 @@ def gaps(march, times):
 
 
 def assert_first(march, found, samples, tolerance):
-    """Nothing touches before what was found, which is there; the times seen, and gaps of pairs at them."""
+    """Nothing touches before the contact found; the times of samples, and gaps of pairs there."""
     times = np.linspace(0, found.time, samples)
     apart, pairs = gaps(march, times)
     assert apart[:-1].min() > 0

@@ -203,7 +203,7 @@ def steps(world, count):
 
 @pytest.mark.parametrize("contacts", ["stop", "resolve"])
 def test_joints_begin_with_the_tension_that_the_drag_makes(contacts):
-    """Each joint of a straight chain that nobody guides makes up for what the ground takes from all benches behind."""
+    """Each joint of a straight, unguided chain balances the drag on all benches behind it."""
     world = World(
         March(Dragon(benches=500), Line(stop=(2000, 0)), start_s=1000.0), "none", contacts=contacts
     )
@@ -313,7 +313,7 @@ PILE_UP = 1e-3
 
 
 def assert_piles_up(run, march):
-    """Joint gaps and depths in every frame after the first contact, from the definition and by Shapely."""
+    """Joint gaps and depths in each frame after the contact, by definition and by Shapely."""
     after = run.times >= run.first_contact.time
     front, rear = march.dragon.holes(run.poses[after])
     assert np.linalg.norm(front[:, 1:] - rear[:, :-1], axis=-1).max() <= PILE_UP

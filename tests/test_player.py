@@ -1,4 +1,4 @@
-"""The page that plays a run, as a text: what is in it, and what is not; and what a notebook shows of results."""
+"""The text of the page that plays a run, and what a notebook shows of results."""
 
 import json
 import zlib

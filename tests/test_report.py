@@ -1,4 +1,4 @@
-"""Reports: every run in every format, nothing lost, nothing taken for markup, the same bytes every time."""
+"""Reports of all runs and formats: complete, escaped, the same bytes every time."""
 
 import csv
 import io

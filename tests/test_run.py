@@ -1,4 +1,4 @@
-"""What a player produced: contacts, frames and what is between them, and files that come back whole or not at all."""
+"""Runs of a player: contacts, frames, poses in between, and files that are whole or not there."""
 
 import io
 import json

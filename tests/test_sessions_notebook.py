@@ -89,7 +89,7 @@ CIRCLE = "live.frame.calls.find(({ kind }) => kind === 'circle').points[0]"
 
 @contextmanager
 def watched(source="pendulum"):
-    """A session that is stepped by hand, its widget, and what that has sent: texts, and headers of frames."""
+    """A session stepped by hand, its widget, and what that sent: texts, and headers of frames."""
     with played(source) as on:
         widget = widgets.LiveWidget(on.session)
         widget.texts, widget.frames = [], []

@@ -1,4 +1,4 @@
-"""Smallest pitch and sensitivity: against many digits, certificates and Shapely; and studies by name."""
+"""Smallest pitch and sensitivity, against many digits, certificates and Shapely; studies' names."""
 
 import io
 import json
@@ -182,7 +182,7 @@ def test_where_the_smallest_pitch_is_limited_as_the_head_arrives_its_slope_is_th
 
 @pytest.fixture
 def known(monkeypatch, answer):
-    """The study of the smallest pitch with the known answer, which the program does not compute again."""
+    """The study of the smallest pitch with the known answer, which is not computed again."""
     found = replace(STUDIES["min-pitch"], run=lambda dragon, progress: answer)
     monkeypatch.setitem(STUDIES, "min-pitch", found)
 

@@ -1,4 +1,4 @@
-"""Questions 4 and 5: the turn, the shortest turn and the speed limit, against many digits, Shapely and brute force."""
+"""Questions 4 and 5: the turn and the speed limit, against many digits and brute force."""
 
 import json
 import sys
@@ -39,7 +39,7 @@ def walked(curve, since, until):
 
 
 def scanned(dragon, curve, begin, end, step):
-    """The largest speed over the head's among samples every `step` m, and where the head is then."""
+    """Largest speed over the head's in samples every `step` m, and the head's coordinate there."""
     ways = np.arange(begin, end, step)
     parts = np.array_split(ways, max(1, ways.size // 500))
     seen = np.concatenate([March(dragon, curve).at(part).speeds.max(axis=1) for part in parts])
@@ -77,7 +77,7 @@ def test_the_ratios_are_the_largest_seen_and_the_shortest_turn_has_no_larger_one
 
 
 def test_the_largest_ratio_of_a_turn_is_no_sample_of_it():
-    """A peak of millimetres: in 4.275 m samples every 1.2 mm see 5.23, and in 4.27 m 16.4; rounding counts there."""
+    """A peak of millimetres: samples every 1.2 mm see 5.23 of 4.275 m, and 16.4 of 4.27 m."""
     for radius in (4.275, 4.27):
         found, certified = u_turn(radius=radius, search=False).contests, max_speed(radius=radius)
         assert (found.ratio, found.excess) == (certified.ratio, certified.excess)

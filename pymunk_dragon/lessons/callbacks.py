@@ -41,7 +41,7 @@ def build(elasticity: float = 0.5, note: Any = events.append) -> pymunk.Space:
 
 
 def calm(space: pymunk.Space, time: float) -> None:
-    """Live, the benches come to rest after the blow, so that one can be dragged against the other."""
+    """Live, let the benches come to rest, so that one can be dragged against the other."""
     for body in space.bodies if time > 1 else []:
         body.velocity, body.angular_velocity = 0.97 * body.velocity, 0.97 * body.angular_velocity
 

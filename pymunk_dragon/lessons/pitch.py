@@ -21,7 +21,7 @@ print(f"inward march    {16 * found.pitch:.3f} m to 4.5 m from the centre  {arri
 
 
 def smallest_gap(pitch: float, step: float) -> float:
-    """The smallest gap between the head and benches 2 to 39 in mm, checked every `step` s in the last 20 s."""
+    """Smallest gap of the head and benches 2 to 39, mm, every `step` s of the last 20 s."""
     spiral = Spiral(pitch=pitch)
     march = March(Dragon(benches=40), spiral)
     arrival = spiral.at_radius(4.5) - march.head_start  # m along the spiral, and so s at 1 m/s

@@ -28,7 +28,7 @@ def benches(degrees: float) -> NDArray[np.float64]:
 
 
 def gaps(degrees: float) -> NDArray[np.float64]:
-    """Gaps between the shadows on the axes along the edges of both benches, m; below zero the shadows overlap."""
+    """Gaps of the shadows on the axes along all edges, m; below zero the shadows overlap."""
     corners = benches(degrees)
     axes = ((corners[:, [1, 3]] - corners[:, [0]]) / [[length], [width]]).reshape(4, 2)
     seen = corners @ axes.T  # how far each corner is along each axis

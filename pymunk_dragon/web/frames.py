@@ -1,4 +1,4 @@
-"""Frames that the canvas of a page draws: Pymunk's draw calls as numbers, and other arrays, after a JSON header."""
+"""Frames of a page's canvas: a JSON header, Pymunk's draw calls as numbers, other arrays."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def packed(
 
 
 def in_binary(header: Mapping[str, Any], arrays: Mapping[str, Array]) -> bytes:
-    """Return a frame: a JSON header with sizes, preceded by its length, and arrays of 32-bit numbers."""
+    """A frame: the length of a JSON header, the header with sizes, and arrays of 32-bit numbers."""
     sizes = {name: array.size for name, array in arrays.items()}
     text = json.dumps(without_nan({**header, "sizes": sizes}), allow_nan=False).encode()
     # The arrays begin at a multiple of four bytes.

@@ -50,7 +50,7 @@ def data_address(content: bytes, media_type: str) -> str:
 
 
 def policy(style: str, script: str, pictures: str = "data:") -> str:
-    """Content security policy that allows this style, this script, and pictures from addresses `pictures`."""
+    """Content security policy with this style, this script, and addresses of `pictures`."""
     style_hash, script_hash = (
         b64encode(sha256(text.encode()).digest()).decode("ascii") for text in (style, script)
     )

@@ -45,7 +45,7 @@ class Block(NamedTuple):
 
 @dataclass(frozen=True)
 class Lesson:
-    """The file of a lesson: a program in the percent format of Jupytext, with texts in cells of Markdown.
+    """The file of a lesson: a program in Jupytext's percent format, with texts in Markdown.
 
     Attributes
     ----------
@@ -104,7 +104,7 @@ class Lesson:
 
     @property
     def builds_scene(self) -> bool:
-        """Whether its first cell has a function `build` for its live scene, and the keywords `LIVE` of `live`."""
+        """Whether the first cell has `build` for a live scene, and keywords `LIVE` for `live`."""
         return "view" in self.options
 
     def scene(self) -> dict[str, Any]:
@@ -129,7 +129,7 @@ class Lesson:
         return [block for block in blocks(self.sections(language).get("Answer", "")) if block.items]
 
     def guess(self, language: str = "en") -> str:
-        """The section "Guess" with the questions and their choices, but without what comes of them."""
+        """The section "Guess", the questions and their choices, without what comes of them."""
         questions = ["\n- ".join([each.text, *each.choices]) for each in self.guesses(language)]
         return "\n\n".join([self.sections(language).get("Guess", ""), *questions])
 
@@ -156,7 +156,7 @@ def lessons() -> Mapping[str, Lesson]:
 
 @cache
 def _chinese() -> dict[str, dict[str, str]]:
-    """The sections of each lesson in Chinese, in which a line that is no item is a paragraph of its own."""
+    """Sections of each lesson in Chinese; a line that is no list item is a paragraph."""
     found = tomllib.loads((FOLDER / "zh.toml").read_text(encoding="utf-8"))["lessons"]
     return {
         lesson: {name: re.sub(r"\n(?!- )", "\n\n", text) for name, text in sections.items()}

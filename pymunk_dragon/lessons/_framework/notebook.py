@@ -8,7 +8,7 @@ from pymunk_dragon.lessons._framework.lesson import Lesson
 
 
 def make_notebook(lesson: Lesson, language: str = "en") -> str:
-    """A lesson as the JSON text of a notebook: its program in cells, its live scene, its answer folded."""
+    """The JSON text of a notebook: program in cells, live scene, and the answer folded."""
     nbformat = library("nbformat")
     v4 = nbformat.v4
     texts = lesson.sections(language)

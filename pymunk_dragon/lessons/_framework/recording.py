@@ -24,7 +24,7 @@ MISSING = re.compile(r"ModuleNotFoundError: No module named '(\w+)")
 
 @dataclass(frozen=True)
 class Recording:
-    """A lesson that was run, what its program printed, and the content and ending of its picture, ".png" or ".gif"."""
+    """A lesson that was run, its output, and its picture with the ending, ".png" or ".gif"."""
 
     lesson: Lesson
     printed: str
@@ -33,7 +33,7 @@ class Recording:
 
 
 def run(lesson: Lesson, folder: Path) -> Iterator[str]:
-    """Run the program of a lesson in a folder, where it writes its picture: the lines that it prints."""
+    """Lines that the program of a lesson prints; it writes its picture in `folder`."""
     # Not by its folder on the path: a module of Python could have the name of a lesson.
     command = [sys.executable, "-P", "-u", str(lesson.path)]
     environment = os.environ | {"MPLBACKEND": "agg", "PYTHONIOENCODING": "utf-8"}
@@ -101,7 +101,7 @@ def record(lesson: Lesson) -> Recording:
 
 
 def make_folder(path: str | Path) -> Path:
-    """The folder `path`, made if it does not exist; a ParameterError if it cannot be made or written."""
+    """The folder `path`, made if it does not exist; a ParameterError if it cannot be used."""
     instance("save", path, str | Path, "a path")
     try:
         Path(path).mkdir(parents=True, exist_ok=True)
