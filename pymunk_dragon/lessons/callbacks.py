@@ -24,7 +24,9 @@ def build(elasticity: float = 0.5, note: Any = events.append) -> pymunk.Space:
     space = pymunk.Space()
     for position, angle, velocity in [((-2.4, 1.7), -0.6, (2.5, -1)), ((0, 0), 0, (0, 0))]:
         body = pymunk.Body(mass=10, moment=5)
-        body.position, body.angle, body.velocity = position, angle, velocity
+        body.position = position
+        body.angle = angle
+        body.velocity = velocity
         shape = pymunk.Poly.create_box(body, (2.2, 0.3))
         shape.elasticity = elasticity
         space.add(body, shape)

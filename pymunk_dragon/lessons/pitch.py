@@ -33,7 +33,9 @@ def smallest_gap(pitch: float, step: float) -> float:
 # %%
 # With a check each second: halve the bracket, which begins with a bench's width and the contest's
 # pitch.
-blocked, free, interval = 0.30, 0.55, 1.0  # m, m, s
+blocked = 0.30  # m
+free = 0.55  # m
+interval = 1.0  # s
 while free - blocked > 1e-7:
     middle = (blocked + free) / 2
     blocked, free = (blocked, middle) if smallest_gap(middle, interval) > 0 else (middle, free)

@@ -17,7 +17,9 @@ import pymunk
 
 from pymunk_dragon import Slider
 
-BENCHES, MASS, STEP = 24, 10.0, 0.01  # kg, s
+BENCHES = 24
+MASS = 10.0  # kg
+STEP = 0.01  # s
 KEPT = 0.5  # of the speed, in a second
 # A speed that falls to a half in a second falls at the rate ln 2. Pymunk lets it fall in a step,
 # and the joints bring it back at its end: in between a bench is slower than 1 m/s, and the drag on

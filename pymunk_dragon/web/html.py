@@ -26,9 +26,8 @@ def substituted(template: str, **values: str) -> str:
 def embedded_json(value: Any) -> str:
     """JSON of a value for a `script` element of a page."""
     # "<" is escaped, since an HTML parser would take "</script>" or "<!--" for markup.
-    return json.dumps(value, separators=(",", ":"), allow_nan=False, ensure_ascii=False).replace(
-        "<", "\\u003c"
-    )
+    made = json.dumps(value, separators=(",", ":"), allow_nan=False, ensure_ascii=False)
+    return made.replace("<", "\\u003c")
 
 
 def filled(package: str, template: str, **values: Any) -> str:

@@ -111,18 +111,16 @@ class Lesson:
         """What the first cell builds: its function, its texts on the page, and how it is played."""
         found: dict[str, Any] = {}
         exec(self.cells[0], found)
-        about = {"name": self.options["scene"], "title": self.texts["Title"], "lesson": self.name}
-        return {
-            "build": found["build"],
-            "field": tuple(self.options["view"]),
-            **about,
-            **found["LIVE"],
-        }
+        scene: dict[str, Any] = {"build": found["build"], "field": tuple(self.options["view"])}
+        scene |= {"name": self.options["scene"], "title": self.texts["Title"], "lesson": self.name}
+        scene |= found["LIVE"]
+        return scene
 
     def sections(self, language: str = "en") -> Mapping[str, str]:
         """The Markdown of each section; one without a translation is English."""
         word("language", language, LANGUAGES)
-        return {**self.texts, **(_chinese().get(self.name, {}) if language == "zh" else {})}
+        chinese = _chinese().get(self.name, {}) if language == "zh" else {}
+        return {**self.texts, **chinese}
 
     def guesses(self, language: str = "en") -> list[Block]:
         """The questions that the class guesses: those in "Answer" with a list below."""
@@ -148,9 +146,8 @@ def blocks(markdown: str) -> list[Block]:
 @cache
 def lessons() -> Mapping[str, Lesson]:
     """The lessons of the package by name, in their order."""
-    found = sorted(
-        map(Lesson.read, FOLDER.glob("[!_]*.py")), key=lambda lesson: lesson.options["order"]
-    )
+    found = [Lesson.read(path) for path in FOLDER.glob("[!_]*.py")]
+    found.sort(key=lambda lesson: lesson.options["order"])
     return MappingProxyType({lesson.name: lesson for lesson in found})
 
 

@@ -28,7 +28,9 @@ def make_notebook(lesson: Lesson, language: str = "en") -> str:
         closing = [
             f"**{text(name)}**\n\n{texts[name]}" for name in ("Check", "Change") if name in texts
         ]
-        folded = f"<details><summary>{text('Answer')}</summary>\n\n{texts.get('Answer', '')}\n\n</details>"
+        answer = texts.get("Answer", "")
+        summary = f"<summary>{text('Answer')}</summary>"
+        folded = f"<details>{summary}\n\n{answer}\n\n</details>"
         cells.append(v4.new_markdown_cell("\n\n".join([folded, *closing])))
     for number, cell in enumerate(cells):
         cell["id"] = f"{lesson.name}-{number}"

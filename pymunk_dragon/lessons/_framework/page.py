@@ -18,7 +18,9 @@ from pymunk_dragon.lessons._framework.recording import Recording, record
 from pymunk_dragon.web.html import asset, data_address, filled, policy
 from pymunk_dragon.web.page import colour_variables
 
-PAGE, NOTEBOOK, PROGRAM = ".html", ".ipynb", ".py"
+PAGE = ".html"
+NOTEBOOK = ".ipynb"
+PROGRAM = ".py"
 ASSETS = "lessons/_framework/assets"
 MEDIA_TYPES = {
     ".gif": "image/gif",

@@ -56,17 +56,13 @@ def run(lesson: Lesson, folder: Path) -> Iterator[str]:
         finally:
             process.kill()
     if process.returncode:
-        if (
-            (missing := MISSING.search(errors))
-            and missing[1] in FEATURES
-            and not is_installed(missing[1])
-        ):
+        missing = MISSING.search(errors)
+        if missing and missing[1] in FEATURES and not is_installed(missing[1]):
             raise MissingExtraError("a lesson", "demos")
         if unwritten := re.search(r"OSError: \[Errno \d+\] (.+)", errors):
             raise OutputError("the picture of the lesson", unwritten[1])
-        raise DragonError(
-            f"the program of the lesson {lesson.name!r} failed: {errors.strip().splitlines()[-1]}"
-        )
+        reason = errors.strip().splitlines()[-1]
+        raise DragonError(f"the program of the lesson {lesson.name!r} failed: {reason}")
 
 
 def picture(lesson: Lesson, folder: Path) -> Path:
