@@ -383,14 +383,17 @@ def test_clear_run_ends_when_it_shall_and_tells_its_progress():
         until=10.38,
         progress=lambda *told_now: told.append(np.round(told_now, 9)),
     )
-    assert (run.outcome, run.first_contact) == ("clear", None)
+    assert run.outcome == "clear"
+    assert run.first_contact is None
     # An overlap at the start is a contact at the start.
     overlapping = simulate(SIXTEEN, start=413.0).first_contact
-    assert (overlapping.time, overlapping.benches) == (413.0, (0, 8))
+    assert overlapping.time == 413.0
+    assert overlapping.benches == (0, 8)
     np.testing.assert_allclose(run.times, [10.0, 10.1, 10.2, 10.3, 10.38], atol=1e-9)
     assert np.array_equal(told, [(10.1, 10.38), (10.2, 10.38), (10.3, 10.38)])
     shortest = simulate(March(Dragon(benches=4)), until=1e-8)
-    assert (shortest.substeps, shortest.times.size) == (1, 2)
+    assert shortest.substeps == 1
+    assert shortest.times.size == 2
 
 
 def test_run_ends_where_the_curve_leaves_the_head_no_place():

@@ -45,11 +45,8 @@ for step in (interval, 0.01):
 plt.figure(figsize=(5, 3.5))
 pitches = np.linspace(found.pitch - 1e-4, found.pitch + 1e-4, 9)
 for step in (interval, 0.01):
-    plt.plot(
-        1000 * pitches,
-        [smallest_gap(pitch, step) for pitch in pitches],
-        label=f"checked each {step:g} s",
-    )
+    gaps = [smallest_gap(pitch, step) for pitch in pitches]
+    plt.plot(1000 * pitches, gaps, label=f"checked each {step:g} s")
 plt.axhline(0, color="black", lw=0.8)
 plt.xlabel("pitch (mm)")
 plt.ylabel("smallest gap (mm)")

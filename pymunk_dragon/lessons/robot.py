@@ -71,9 +71,8 @@ for time in (states.times[now] - 0.1, states.times[now] + 0.1):
     print(f"         joint {joint:2d}   t = {time:.1f} s   at ({x:.4f}, {y:.4f}) m")
 
 plt.figure(figsize=(5, 3))
-plt.plot(
-    *march.curve.point(np.linspace(march.curve.begin_s, march.curve.end_s, 500)).T, color="silver"
-)
+s = np.linspace(march.curve.begin_s, march.curve.end_s, 500)
+plt.plot(*march.curve.point(s).T, color="silver")
 for link in arm.outlines(run.poses_at(hit.time)):
     plt.fill(*link.T, alpha=0.7)
 plt.axis("equal")
