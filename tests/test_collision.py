@@ -191,7 +191,8 @@ def test_leading_shapes_broadcast_and_many_pairs_are_as_one_by_one(many):
         == separation(row, SQUARE).distance.tolist()
         == [[-1, 0, 1], [2, 3, 4]]
     )
-    assert (found.normal.shape, found.point.shape) == ((2, 3, 2), (2, 3, 2))
+    assert found.normal.shape == (2, 3, 2)
+    assert found.point.shape == (2, 3, 2)
     assert separation(row[:, :1], row[:1]).distance.tolist() == [[-1, 0, 1], [2, 1, 0]]
     for none in (row[:0], row[0, :0]):
         assert separation(none, SQUARE).normal.shape == (*none.shape[:-2], 2)
