@@ -36,7 +36,8 @@ def build():
     space = pymunk.Space()
     space.damping = 0.1
     body = pymunk.Body(1, 1)
-    space.add(body, pymunk.Circle(body, 0.5), pymunk.Segment(space.static_body, (-2, -2), (4, -2), 0.1))
+    floor = pymunk.Segment(space.static_body, (-2, -2), (4, -2), 0.1)
+    space.add(body, pymunk.Circle(body, 0.5), floor)
     spaces.append(space)
     return space
 
