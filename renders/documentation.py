@@ -1,4 +1,4 @@
-"""Build the documentation, for the Makefile: `python renders/documentation.py DIRECTORY PICTURE=ARGUMENTS...`.
+"""Build the documentation, for the Makefile: `documentation.py DIRECTORY PICTURE=ARGUMENTS...`.
 
 The pages are made of the guides, the docstrings of the package (by pdoc), README and the other
 texts of the top folder, and the commands of the pictures, which the Makefile passes:
@@ -135,7 +135,7 @@ def names_text() -> str:
 
 
 def shown_pictures(texts: Mapping[str, str]) -> Iterator[tuple[str, str, str]]:
-    """The path, the caption and the page of each picture in `texts`, which are Markdown by the address of the page."""
+    """Path, caption and page of each picture in `texts`, Markdown by the address of the page."""
     for page, text in texts.items():
         for found in SHOWN.finditer(text):
             yield (found[2] or found[3]), (found[1] or found[4]), page
@@ -181,7 +181,7 @@ def gallery_text(texts: Mapping[str, str], commands: Mapping[str, str]) -> str:
 
 
 def lessons_text() -> str:
-    """What each lesson needs, takes and teaches, as its file says to teachers: a Markdown table without LaTeX."""
+    """What each lesson needs, takes and teaches: a table in Markdown, without LaTeX."""
     lines = [
         "| lesson | for whom, and what they know | minutes | goal |",
         "| --- | --- | --- | --- |",
@@ -208,7 +208,7 @@ def commands_text() -> str:
 
 
 def with_links(page: str, text: str, members: Mapping[str, set[str]]) -> str:
-    """The HTML `text` of a page, with the addresses of the site, and links for modules and public names in code.
+    """The HTML `text` of a page, with the site's addresses, and links for names in code.
 
     `members` has the anchors of each module's page.
     """
@@ -241,7 +241,7 @@ def with_links(page: str, text: str, members: Mapping[str, set[str]]) -> str:
 
 
 def short_annotation(annotation: object, *arguments: Any, **options: Any) -> str:
-    """An annotation as in the code: `ArrayLike` and `NDArray` instead of the types of NumPy behind them."""
+    """An annotation as in the code: `ArrayLike` and `NDArray`, not the NumPy types behind them."""
     members = FORMAT(ArrayLike).removeprefix("Union[").removesuffix("]")
     text = (
         FORMAT(annotation, *arguments, **options)

@@ -1,4 +1,4 @@
-"""Make a file of `renders/`, for the Makefile: `python renders/gallery.py TARGET ENDINGS ARGUMENT...`.
+"""Make a file of `renders/`, for the Makefile: `gallery.py TARGET ENDINGS ARGUMENT...`.
 
 Calls `pymunk-dragon ARGUMENT... -o TARGET`, once for each of the comma-separated endings, and
 writes a rule for make with the files of the package that were used, `renders/.commands/NAME.d`:
@@ -30,13 +30,13 @@ SHARE = 2e-5
 
 
 def share_off(one: Image.Image, other: Image.Image) -> float:
-    """Return the fraction of the pixels of two frames of one size that differ by more than LEVELS."""
+    """Fraction of the pixels of two equally large frames that differ by more than LEVELS."""
     first, second = (np.asarray(image.convert("RGBA"), dtype=np.int16) for image in (one, other))
     return float(np.mean((np.abs(first - second) > LEVELS).any(axis=-1)))
 
 
 def show_the_same(one: Path, other: Path) -> bool:
-    """Return whether two files have equal sizes, frame counts and delays, and at most SHARE of the pixels differ."""
+    """Whether two files have equal sizes, counts and delays, and pixels alike but for SHARE."""
     if one.read_bytes() == other.read_bytes():
         return True
     with Image.open(one) as first, Image.open(other) as second:
@@ -54,7 +54,7 @@ def show_the_same(one: Path, other: Path) -> bool:
 
 
 def replace(target: Path, drafts: list[Path]) -> None:
-    """Move the drafts beside `target`, or delete them if the first one is a picture that shows the same as `target`."""
+    """Move the drafts beside `target`; delete them if the first is a picture equal to `target`."""
     same = target.suffix in PICTURES and target.exists() and show_the_same(target, drafts[0])
     for draft in drafts:
         kept = target.parent / draft.name
@@ -67,7 +67,7 @@ def replace(target: Path, drafts: list[Path]) -> None:
 
 
 def used_files() -> list[str]:
-    """Return the files of the package that this process has imported, and the data files beside them."""
+    """Files of the package that this process has imported, and the data files beside them."""
     root = Path(pymunk_dragon.__file__).parent
     loaded = (getattr(module, "__file__", None) for module in list(sys.modules.values()))
     modules = {Path(file) for file in loaded if file and Path(file).is_relative_to(root)}

@@ -47,7 +47,7 @@ def chromium() -> Iterator[Browser]:
 
 @dataclass
 class Opened:
-    """A page, what the browser complained about, which addresses it asked for, and which boxes popped up."""
+    """A page, the browser's complaints, addresses that were requested, and boxes that opened."""
 
     page: Page
     complaints: list[str] = field(default_factory=list)
@@ -84,7 +84,7 @@ def english_words(page: Page) -> set[str]:
 
 
 def wait_until(page: Page | Frame, expression: str, seconds: float = 120.0) -> None:
-    """Wait for an expression to become true; Playwright's own way needs `eval`, which a strict page forbids."""
+    """Wait until an expression is true; Playwright's own way needs `eval`, which pages forbid."""
     end = time.monotonic() + seconds
     while not page.evaluate(expression):
         assert time.monotonic() < end, f"still not true after {seconds:g} s: {expression}"
@@ -93,7 +93,7 @@ def wait_until(page: Page | Frame, expression: str, seconds: float = 120.0) -> N
 
 @contextmanager
 def framed(browser: Browser, content: str, how: str) -> Iterator[tuple[Opened, Frame]]:
-    """Open a page in the frame of another one, which allows it scripts and nothing else: by `src` or by `srcdoc`."""
+    """Open a page, by `src` or `srcdoc`, in a frame that allows it scripts and nothing else."""
     value = {"src": "/page.html", "srcdoc": escape(content)}[how]
     around = f'<!doctype html><iframe sandbox="allow-scripts" width="1200" height="780" {how}="{value}"></iframe>'
 

@@ -13,7 +13,7 @@ STEP, JUMP = 5e-3, 0.3
 
 
 def follow(curve, start, heads, spacings, step=STEP):
-    """States (n, H) for the first n of `heads` (T,), in their order, and the head's coordinate where motion ends."""
+    """States (n, H) of the first n `heads` (T,) in order, and the head's s where motion ends."""
     state, states = np.array(start), []
     direction = np.sign(heads[-1] - state[0])
     for aim in heads:

@@ -80,7 +80,7 @@ def pytest_addoption(parser):
 
 @pytest.fixture
 def golden(request):
-    """A function that compares a picture with tests/data/<name>.png, as in `golden(image, "debug_draw/cradle")`.
+    """Comparison with tests/data/<name>.png, as in `golden(image, "debug_draw/cradle")`.
 
     A full path does as well as a name. `share` is the share of pixels that may differ.
     """
@@ -108,7 +108,7 @@ def seed_march():
 
 @pytest.fixture(scope="session")
 def late_run():
-    """The paper's dragon as the engine plays it from 400 s, before both near misses, to its first contact."""
+    """The paper's dragon in the engine, from 400 s past both near misses to its first contact."""
     return shared_run("late", lambda: simulate(March(), start=400.0))
 
 
@@ -206,7 +206,7 @@ LISTED = re.compile(r"(?:'?[.a-z][\w.:-]*'?(?:,| or| and) ){2,}")
 
 
 def assert_says(error, *words):
-    """The message is one line that holds `words`; but for lists of names, it has a bearable length."""
+    """The message is one line that holds `words`, of a bearable length but for lists of names."""
     message = str(error)
     assert message == " ".join(message.split())
     assert len(LISTED.sub("", message)) < 250

@@ -1,4 +1,4 @@
-"""The texts for users, README, guides and the long docstrings of modules, and the code that they show."""
+"""Texts for users (README, guides, long docstrings of modules), and the code in them."""
 
 from __future__ import annotations
 

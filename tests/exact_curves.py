@@ -31,12 +31,12 @@ def arc(centre, radius, begin_angle, sweep):
 
 
 def arc_length(theta, pitch):
-    """Of the path r = k theta from its centre: the closed form of the integral of k sqrt(theta^2 + 1)."""
+    """Arc length of r = k theta from its centre: the integral of k sqrt(theta^2 + 1)."""
     return pitch / (4 * mp.pi) * (theta * mp.sqrt(theta**2 + 1) + mp.asinh(theta))
 
 
 def spiral(pitch, rotation=0, outward=False):
-    """The path r = k theta about the origin, by its arc length from the centre, negative on the way in."""
+    """The path r = k theta by its arc length from the centre, negative on the way in."""
     pitch = mp.mpf(pitch)
     k = pitch / (2 * mp.pi)
 
@@ -56,7 +56,7 @@ def _numbers(point, direction, curvature):
 
 
 def _of_parameter(path, p, side=1):
-    """The five numbers at parameter p of a path in the complex plane, travelled forward (side 1) or back (-1)."""
+    """Five numbers at parameter p of a complex path, travelled forward (side 1) or back (-1)."""
     first, second = mp.diff(path, p), mp.diff(path, p, 2)
     return _numbers(
         path(p), side * first / abs(first), side * (mp.conj(first) * second).imag / abs(first) ** 3
@@ -131,7 +131,7 @@ def walked_chain(truth, begin, spacings, step=-STEP):
 
 
 def _walked(truth, begin, chord, step):
-    """The parameter where the straight distance from `begin` first passes `chord`; None where it falls first."""
+    """Parameter at which the distance from `begin` first passes `chord`; None if it falls first."""
     here = mp.mpc(*truth(begin)[:2])
 
     def away(place):
@@ -191,7 +191,7 @@ def spline(points):
 
 
 def worst_errors(curve, truth, places):
-    """Largest errors of a curve's points (m), tangents and curvatures (1/m) at places, against the truth."""
+    """Largest errors of points (m), tangents and curvatures (1/m) of a curve, against the truth."""
     with mp.workdps(DIGITS):
         off = [0.0, 0.0, 0.0]
         for place in places:

@@ -47,7 +47,7 @@ class Listener(Client):
 
 
 class Played:
-    """A paused session without a server: `do` sends a message, `step` makes steps as fast as they go."""
+    """A paused session without a server: `do` sends a message, `step` makes steps at once."""
 
     def __init__(self, source, **options):
         source = source if hasattr(source, "build") else source_of(source, PlaySettings())
@@ -124,7 +124,7 @@ def played(source: object, **options: object):
 
 
 def replay_session(log: Log, before: Callable[[Session], object] = lambda session: None):
-    """A session that has begun a replay, as fast as it goes, and what it sends; `before` is called with it first."""
+    """A session in a replay without pauses, and what it sends; `before` gets it first."""
     session, told = Session(recorded_scene(log["plan"]), log=log), []
     session.join(Listener(session, told))
     before(session)

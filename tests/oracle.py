@@ -1,4 +1,4 @@
-"""The march solved anew in many digits, from the formulas of the paper alone: it imports nothing of the package.
+"""The march in many digits, by the paper's formulas alone, without the package.
 
 The head's angle is the root of the arc length. Each next handle is found by walking outward from
 the one before in small steps of the angle until the straight distance first passes the spacing, and
@@ -37,7 +37,7 @@ def angles(time, *, spacings, pitch, turns, speed):
 
 
 def solve(time, *, benches, head_spacing, body_spacing, pitch, turns, speed, difference=True):
-    """Positions and velocities of all handles, as lists of pairs of mpf; no velocities without `difference`."""
+    """Positions and velocities of all handles, as pairs of mpf; without `difference`, positions."""
     with mp.workdps(DIGITS):
         spacings = [exact(head_spacing)] + [exact(body_spacing)] * (benches - 1)
         given = {
@@ -60,7 +60,7 @@ def solve(time, *, benches, head_spacing, body_spacing, pitch, turns, speed, dif
 
 
 def gap(time, pair, sizes):
-    """Gap of two benches along the widest of the four axes, in many digits: right where an edge faces the other.
+    """Gap of two benches along the widest of the four axes; right where an edge faces the other.
 
     `sizes` are width, overhang, head_spacing, body_spacing and pitch; the march starts on turn 16
     at 1 m/s.
@@ -89,7 +89,7 @@ def gap(time, pair, sizes):
 
 
 def grazing(pair, time, sizes):
-    """Time and pitch at which the smallest gap of two benches is zero, by Newton's method from those that are given."""
+    """Time and pitch at which two benches just touch, by Newton's method from those given."""
     with mp.workdps(DIGITS):
         t, p, step = mp.mpf(time), mp.mpf(sizes["pitch"]), mp.mpf("1e-12")
 

@@ -1,4 +1,4 @@
-"""The first contact by IPC Toolkit (`ipctk`), a library for continuous collision detection that others wrote in C++.
+"""The first contact by IPC Toolkit (`ipctk`), a collision library that others wrote in C++.
 
 It is given the corners of all benches at two times, as vertices that edges join, and which benches
 are neighbours. By Tight Inclusion, which is conservative, it says whether edges come nearer to each

@@ -13,7 +13,7 @@ FOLDER = "PYMUNK_DRAGON_TESTS_SHARED"
 
 
 def shared(name: str, make: Callable[[Path], object]) -> Path:
-    """The file or folder `name`, which `make` writes to the path that it is given when it is needed first."""
+    """The file or folder `name`, written by `make(path)` when it is needed first."""
     path = Path(os.environ[FOLDER]) / name
     with FileLock(f"{path}.lock"):
         if not path.exists():

@@ -1,4 +1,4 @@
-"""Run a command while its processes are stopped and continued at random, as on a machine that is busy otherwise.
+"""Run a command whose processes are stopped and continued at random, as on a busy machine.
 
 `python tests/stalls.py make test-all`
 """

@@ -19,7 +19,7 @@ def total(march: March, *, x: float = 0.0, y: float = 0.0, z: float = 0.0, n: in
 
 
 def logged(march: March, *, x: float, log: str = ""):
-    """A square, after a line was added to a file. From x = 4 on it waits without end until there is a file .go."""
+    """A square, from a line in a file on; from x = 4 on, once there is a file .go."""
     log = log or os.environ["SWEEP_LOG"]
     with open(log, "a") as file:
         file.write(f"{x}\n")

@@ -1,4 +1,4 @@
-"""Every benchmark runs; the thorough tests run each at a small size, so that its figures can be measured again."""
+"""Every benchmark runs; the thorough tests run each of them at a small size."""
 
 import re
 import subprocess

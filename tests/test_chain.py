@@ -1,4 +1,4 @@
-"""The state of a chain is the one that continuous motion leads to, through jackknifes and up to a fold."""
+"""The state of a chain is the one that continuous motion leads to, past jackknifes to a fold."""
 
 import math
 import pickle
@@ -50,7 +50,7 @@ BENCH = Dragon(benches=2, head_spacing=3.0, body_spacing=0.5, overhang=0.05, wid
 
 
 def followed(march, heads, tolerance=1e-9):
-    """States of a march, which are those of small steps as far as these go, and where small steps end."""
+    """States of a march, equal to those of small steps, and where small steps end."""
     states, end = follow(
         march.curve, march.motion_or_nan(0.0).handles_s[0], heads, march.dragon.spacings
     )
@@ -205,7 +205,7 @@ def test_ranges_near_the_centre_of_a_spiral_contain_a_handle_that_reverses_there
 
 
 def test_the_state_at_the_start_is_the_one_along_the_path():
-    """Also where the path between the handles bends more sharply than a circle with the bench as its diameter."""
+    """Also where the path is curved more than a circle with the bench as its diameter."""
     march = March(BENCH, HOOK, start_s=RISE + 2)
     expected = HOOK.chain([RISE + 2], BENCH.spacings)
     assert RISE + 2 - expected[0, 1] > 3.5
@@ -281,7 +281,7 @@ def test_bounds_hold_for_the_rates_and_their_changes(curve, head):
 
 
 def test_whole_chains_never_end_on_another_turn(monkeypatch):
-    """From an estimate on another turn Newton's method finds other handles at the same distances: they are refused."""
+    """Newton's method from an estimate on another turn finds other handles: they are refused."""
     spiral = Spiral(pitch=0.3)
     heads, spacings = (
         np.array([spiral.at_turn(turns) for turns in (3, 5, 9)]),

@@ -26,7 +26,7 @@ SHORT = ["--from", "412.3"]
 
 @pytest.fixture
 def answer(call):
-    """Call the program, which has to succeed: the JSON object that it prints, or what it prints otherwise."""
+    """Call the program, which succeeds: its JSON object, or what it prints otherwise."""
 
     def answered(*arguments):
         code, out, err = call(*arguments)
@@ -61,7 +61,8 @@ def test_positions_are_the_exact_models(answer, tmp_path):
     assert json.loads(document.read_text())["times"] == [0, 60]
     assert answer("positions", "--benches", "4", "--times", "0:2:1", "-o", sheet) == ""
     heads, first, *_ = openpyxl.load_workbook(sheet)["位置"].iter_rows(values_only=True)
-    assert (heads, first[:2]) == ((None, "0 s", "1 s", "2 s"), ("龙头x (m)", 8.8))
+    assert heads == (None, "0 s", "1 s", "2 s")
+    assert first[:2] == ("龙头x (m)", 8.8)
 
 
 def test_paper_tables_are_the_papers_numbers(answer):
@@ -113,7 +114,8 @@ def test_u_turn_has_the_contests_positions(answer):
     found = answer(
         "simulate", "--curve", "u-turn", "--benches", "8", "--from", "-2", "--until", "-1", "--json"
     )
-    assert (found["start"], found["until"]) == (-2, -1)
+    assert found["start"] == -2
+    assert found["until"] == -1
 
 
 def test_help_tells_the_true_defaults(answer):
@@ -142,7 +144,9 @@ def test_contact_is_the_same_by_three_methods(answer, tmp_path):
         found = answer("contact", *SHORT, "--method", method, "--json", "-o", document)
         assert found == json.loads(document.read_text())
         assert {"status", "time", "benches", "point", "normal", "near_misses"} <= set(found)
-        assert (found["method"], found["status"], found["benches"]) == (method, "contact", [0, 8])
+        assert found["method"] == method
+        assert found["status"] == "contact"
+        assert found["benches"] == [0, 8]
         assert found["time"] == pytest.approx(412.473838, abs=tolerance)
         assert (found["near_misses"], found["samples"] > 0) == (misses, True)
 
@@ -174,7 +178,8 @@ def test_contact_writes_the_contests_sheet(answer, call, tmp_path):
     assert len(rows) == 225
     path.unlink()
     code, out, err = call("contact", "--until", "1", "-o", path)
-    assert (code, out) == (1, "")
+    assert code == 1
+    assert out == ""
     assert_one_line(err, "no contact until t = 1 s", "result2.xlsx")
     assert os.listdir(tmp_path) == []
 
@@ -251,7 +256,9 @@ def test_render_and_report_take_the_format_from_the_ending(answer, here):
 def test_size_of_a_film_that_is_not_the_one_given_is_said(call, here):
     small = ["render", "--benches", "5", "--until", "1", "--fps", "2", "--speedup", "1"]
     code, out, err = call(*small, "--size", "121x77", "-o", "f.mp4")
-    assert (code, out, err.count("\n")) == (0, "", 1)
+    assert code == 0
+    assert out == ""
+    assert err.count("\n") == 1
     assert "120 x 76" in err
     for arguments in (["--size", "120x76", "-o", "f.mp4"], ["--size", "121x77", "-o", "f.gif"]):
         assert call(*small, *arguments) == (0, "", "")
@@ -322,7 +329,8 @@ def test_film_of_a_march_ends_with_its_first_contact(answer, tmp_path, monkeypat
         answer("render", "--benches", "16", "--size", "64", "-o", path)
     # The last 74 s before the contact at 412.47 s, in 11 s.
     assert timings[0].times[[0, -1]] == pytest.approx([338.2, 412.5], abs=0.5)
-    assert (len(timings[0].times), timings[0].ends[-1]) == (171, pytest.approx(11.0, abs=0.1))
+    assert len(timings[0].times) == 171
+    assert timings[0].ends[-1] == pytest.approx(11.0, abs=0.1)
     assert timings[1].times.tolist() == timings[0].times[-1:].tolist()
 
 

@@ -1,4 +1,4 @@
-"""Help of the commands, what a terminal says of files, what a shell completes, and what is said of bad input."""
+"""Help of the commands, messages on files, completion in a shell, and answers to bad input."""
 
 import os
 import re
@@ -18,7 +18,7 @@ from pymunk_dragon.cli import COMMANDS, PROGRAM, cli, command, options, output
 
 @pytest.fixture
 def complaint(call):
-    """Call the program with bad input: what it says, once it is sure that it was one line and exit code 2."""
+    """The message of the program on bad input, which is one line; its exit code is 2."""
 
     def complained(*arguments):
         code, out, err = call(*arguments)

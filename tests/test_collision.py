@@ -1,4 +1,4 @@
-"""Both phases: separations of rectangles against Shapely, walks of edges by hand, pairs by brute force."""
+"""Separations of rectangles against Shapely, edges against walks by hand, pairs by brute force."""
 
 from itertools import combinations
 
@@ -191,7 +191,8 @@ def test_leading_shapes_broadcast_and_many_pairs_are_as_one_by_one(many):
         == separation(row, SQUARE).distance.tolist()
         == [[-1, 0, 1], [2, 3, 4]]
     )
-    assert (found.normal.shape, found.point.shape) == ((2, 3, 2), (2, 3, 2))
+    assert found.normal.shape == (2, 3, 2)
+    assert found.point.shape == (2, 3, 2)
     assert separation(row[:, :1], row[:1]).distance.tolist() == [[-1, 0, 1], [2, 1, 0]]
     for none in (row[:0], row[0, :0]):
         assert separation(none, SQUARE).normal.shape == (*none.shape[:-2], 2)
@@ -306,7 +307,7 @@ def test_paper_grid_starts_at_the_upper_left_and_counts_down_and_right(seed_marc
 
 
 def on_quarters(rng, n, spread, sizes):
-    """Outlines (n, 4, 2) at random, a third of them along the axes with corners on quarters of a cell."""
+    """Random outlines (n, 4, 2); a third lie along the axes, with corners on quarters of a cell."""
     x, y, angle = (
         rng.uniform(-spread, spread, n),
         rng.uniform(-spread, spread, n),

@@ -53,7 +53,7 @@ LONGER = Composite([PATH, Line(start=(2, 8), stop=(2, 9))])
 
 
 class LogarithmicSpiral(Curve):
-    """A user's own: r = s / sqrt(2), from a metre of arc length from its centre on, travelled outward."""
+    """A curve of a user's own: r = s / sqrt(2), outward from a metre of arc length on."""
 
     begin_s = 1.0
     end_s = np.inf

@@ -28,7 +28,7 @@ RENDERS = ROOT / "renders"
 
 
 def made(target, text):
-    """The words of the command with a text that makes a target as in a new clone, without making anything."""
+    """Words of the command that `make` prints, but does not run, for `target` in a new clone."""
     # The tests may have been started by make, whose options are not for this one.
     alone = {
         name: value for name, value in os.environ.items() if not name.startswith(("MAKE", "MFLAGS"))
@@ -213,7 +213,7 @@ VERSION = pymunk_dragon.__version__
 
 
 def run(*command, **options):
-    """The output of a command; most of the time is pip's, which takes the libraries from its cache the second time."""
+    """Output of a command. pip takes most of the time; the second time it has the libraries."""
     done = subprocess.run(
         [*map(str, command)], capture_output=True, text=True, check=False, timeout=300, **options
     )
@@ -266,7 +266,8 @@ def test_archives_are_complete_and_an_index_would_accept_them(archives):
     } == files
     with tarfile.open(archives[1]) as archive:
         packed = {name.partition("/")[2] for name in archive.getnames()}
-    read = "README.md README.zh.md LICENSE Makefile renders/documentation.py renders/guides/live.md tests/conftest.py"
+    read = "README.md README.zh.md LICENSE Makefile renders/documentation.py "
+    read += "renders/guides/live.md tests/conftest.py"
     assert packed >= files.union(read.split())
     assert not any(name.startswith(("renders/docs", ".venv", "renders/march")) for name in packed)
 

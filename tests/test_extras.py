@@ -25,7 +25,7 @@ WRITERS = {
 
 
 def run_without(tmp_path, library, source, replaced):
-    """Exit code and stderr of a program in which a library has the given source; its file must be kept."""
+    """Exit code and stderr of a program whose library has this source; its file must be kept."""
     name, arguments = WRITERS[library]
     stubs = tmp_path / "stubs"
     (stubs / library).mkdir(parents=True)
@@ -56,7 +56,8 @@ def test_signal_during_an_import_ends_the_program_and_keeps_the_old_file(tmp_pat
     source = (
         f"import os\ntry:\n    os.kill(os.getpid(), {int(number)})\n    for _ in range(9): pass\n"
     )
-    source += "except BaseException as error:\n    raise ImportError('initialization failed') from error\n"
+    source += "except BaseException as error:\n"
+    source += "    raise ImportError('initialization failed') from error\n"
     code, err = run_without(tmp_path, library, source, replaced=False)
     assert code == 128 + number
     assert_one_line(err, "interrupted")

@@ -209,7 +209,7 @@ def test_only_the_picture_of_the_collision_shows_a_contact(tmp_path, monkeypatch
 
 
 def check_texts(drawing, border=10):
-    """Return all texts of a figure, after a check that they are within the page, large, and clear of each other."""
+    """All texts of a figure, which are within the page, large, and clear of each other."""
     draw, seen = matplotlib.text.Text.draw, []
 
     def draw_and_note(text, *arguments, **options):

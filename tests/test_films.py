@@ -1,4 +1,4 @@
-"""Films in every format: what is in the file, how long it plays, which part it shows, and what stands side by side."""
+"""Films in each format: contents, duration, the part that is shown, and films side by side."""
 
 import subprocess
 import textwrap
@@ -137,7 +137,9 @@ def test_mp4_is_h264_and_shows_the_frames_in_their_colours(run, tmp_path):
     render(run, path, film)
     about = iio.immeta(path, plugin="FFMPEG")
     # An odd number of pixels becomes even.
-    assert (about["codec"], about["fps"], about["size"]) == ("h264", 10, (318, 238))
+    assert about["codec"] == "h264"
+    assert about["fps"] == 10
+    assert about["size"] == (318, 238)
     assert about["pix_fmt"] == "yuv420p(tv, bt709, progressive)"
     assert about["duration"] == pytest.approx(10 / 5 + 0.5, abs=0.1)
     shown = decoded(path, "rgb24").reshape(-1, 238, 318, 3)
@@ -389,7 +391,7 @@ def test_title_and_caption_stand_outside_the_picture_in_as_many_lines_as_they_ne
 
 
 def brute_force(text, height, width):
-    """Lines with the largest number of characters with which all are narrow enough, found one by one."""
+    """Lines with the most characters with which all are narrow enough, found one by one."""
     for columns in range(max(1, len(text)), 0, -1):
         lines = [lettering.line(part, height) for part in textwrap.wrap(text, columns)]
         if all(each.width <= width for each in lines):

@@ -1,4 +1,4 @@
-"""English and Chinese: what is translated, what stays English, and that a translation is never a condition."""
+"""English and Chinese: texts that are translated, texts that are not, and missing translations."""
 
 from __future__ import annotations
 

@@ -274,7 +274,7 @@ def calls(lines):
 
 
 def flying(step):
-    """The bench that flies, and where its centre is, in the given step, as long as it has met nothing."""
+    """The bench that flies, and its centre in the given step, if it has met nothing."""
     t = 0.02 * (step + 1)
     x, y = -2.4 + 2.5 * t, 1.7 - t
     turned = shapely.affinity.rotate(shapely.box(-1.1, -0.15, 1.1, 0.15), -0.6, use_radians=True)

@@ -1,4 +1,4 @@
-"""The lessons' stages in a real browser: their exact model and their readouts, against the package."""
+"""The stages of lessons in a real browser: exact model and readouts against the package."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ CHAIN = """([kind, sizes, heads]) => heads.map((head) => {
 
 
 def assert_same_chains(page, curve, march, sizes, heads):
-    """Positions and velocities in the page and in the package, with the head at `heads` m along the curve."""
+    """Positions and velocities in page and package, with the head at `heads` m on the curve."""
     found = np.array(page.evaluate(CHAIN, [curve, sizes, heads.tolist()]))
     states = march.at(heads - march.head_start)
     np.testing.assert_allclose(found[..., :2], states.positions, rtol=0, atol=CLOSE)

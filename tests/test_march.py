@@ -183,7 +183,8 @@ def test_impossible_marches_are_refused_by_name():
         ),
     ):
         error = refusal(March, **settings)
-        assert (error.name, error.value) == (name, value)
+        assert error.name == name
+        assert error.value == value
     wide = March(Dragon(benches=3), Spiral(pitch=100), turns=1e-9)
     assert np.linalg.norm(wide.at(0).positions[0, 1]) == pytest.approx(2.86, abs=1e-6)
     march = March(turns=np.float32(16), speed=np.int64(1))
@@ -288,7 +289,8 @@ def test_a_dragon_starts_with_its_tail_at_the_begin_of_the_curve_or_its_head_at_
     assert march.motion_or_nan(0.0).handles_s[0, -1] == pytest.approx(0, abs=2e-9)
     assert not np.isnan(march.motion_or_nan(0.0).handles_s).any()
     error = refusal(march.at, -1e-3, error=UnreachableError)
-    assert (error.time, error.handle) == (-1e-3, 12)
+    assert error.time == -1e-3
+    assert error.handle == 12
     assert TURN.head_start == 0
     assert March(curve=Spiral(), start_s=-100.0).motion_or_nan(0.0).handles_s[0, 0] == -100
 
@@ -354,4 +356,5 @@ def test_the_end_of_a_curve_is_reached_whatever_rounding_does():
     for speed in np.linspace(0.5, 1.5, 40):
         march = March(dragon, Line(stop=(7.7, 0.3)), speed=speed)
         hit = first_contact(march)
-        assert (hit.status, hit.time) == ("clear", march.end)
+        assert hit.status == "clear"
+        assert hit.time == march.end

@@ -1,4 +1,4 @@
-"""Curves of a user's own class that return nonsense, and arguments of the wrong kind: one clear error."""
+"""Nonsense from curves of a user's own, and arguments of the wrong kind: one clear error."""
 
 import contextlib
 import math

@@ -172,7 +172,8 @@ def test_benches_of_their_own_sizes_weigh_and_reach_what_they_should():
         assert body.mass == pytest.approx(500 * 0.04 * length * width)
         assert body.moment == pytest.approx(body.mass * (length**2 + width**2) / 12)
         (shape,) = body.shapes
-        assert (shape.area, shape.radius) == (pytest.approx(length * width), 0)
+        assert shape.area == pytest.approx(length * width)
+        assert shape.radius == 0
 
 
 def test_force_in_the_last_pivot_is_what_changes_the_tails_momentum():
@@ -203,7 +204,7 @@ def steps(world, count):
 
 @pytest.mark.parametrize("contacts", ["stop", "resolve"])
 def test_joints_begin_with_the_tension_that_the_drag_makes(contacts):
-    """Each joint of a straight chain that nobody guides makes up for what the ground takes from all benches behind."""
+    """Each joint of a straight, unguided chain balances the drag on all benches behind it."""
     world = World(
         March(Dragon(benches=500), Line(stop=(2000, 0)), start_s=1000.0), "none", contacts=contacts
     )
@@ -258,7 +259,8 @@ def test_run_knows_which_benches_its_guide_does_not_hold(tmp_path):
         run = simulate(CIRCLE, guide=guide, until=0.1)
         run.save(tmp_path / "run.npz")
         for each in (run, Run.load(tmp_path / "run.npz")):
-            assert (each.guide, each.free_from) == (name, free_from)
+            assert each.guide == name
+            assert each.free_from == free_from
     world = World(CIRCLE, mine[1], contacts="resolve")
     assert world.free_from == 3
     world.release(5)
@@ -313,7 +315,7 @@ PILE_UP = 1e-3
 
 
 def assert_piles_up(run, march):
-    """Joint gaps and depths in every frame after the first contact, from the definition and by Shapely."""
+    """Joint gaps and depths in each frame after the contact, by definition and by Shapely."""
     after = run.times >= run.first_contact.time
     front, rear = march.dragon.holes(run.poses[after])
     assert np.linalg.norm(front[:, 1:] - rear[:, :-1], axis=-1).max() <= PILE_UP
@@ -383,14 +385,17 @@ def test_clear_run_ends_when_it_shall_and_tells_its_progress():
         until=10.38,
         progress=lambda *told_now: told.append(np.round(told_now, 9)),
     )
-    assert (run.outcome, run.first_contact) == ("clear", None)
+    assert run.outcome == "clear"
+    assert run.first_contact is None
     # An overlap at the start is a contact at the start.
     overlapping = simulate(SIXTEEN, start=413.0).first_contact
-    assert (overlapping.time, overlapping.benches) == (413.0, (0, 8))
+    assert overlapping.time == 413.0
+    assert overlapping.benches == (0, 8)
     np.testing.assert_allclose(run.times, [10.0, 10.1, 10.2, 10.3, 10.38], atol=1e-9)
     assert np.array_equal(told, [(10.1, 10.38), (10.2, 10.38), (10.3, 10.38)])
     shortest = simulate(March(Dragon(benches=4)), until=1e-8)
-    assert (shortest.substeps, shortest.times.size) == (1, 2)
+    assert shortest.substeps == 1
+    assert shortest.times.size == 2
 
 
 def test_run_ends_where_the_curve_leaves_the_head_no_place():
@@ -418,7 +423,8 @@ def test_no_run_is_longer_than_the_march_to_the_end_of_the_curve(contacts):
         assert march.end - 0.05 < run.times[-1] < march.end + 0.05
     straight = March(Dragon(benches=3), Line(stop=(12, 0)))
     run = simulate(straight, contacts=contacts, until=1e9)
-    assert (run.outcome, run.times[-1]) == ("unreachable", pytest.approx(straight.end, abs=0.05))
+    assert run.outcome == "unreachable"
+    assert run.times[-1] == pytest.approx(straight.end, abs=0.05)
 
 
 def test_signals_and_errors_during_a_step_are_raised_after_it(monkeypatch):

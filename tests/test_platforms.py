@@ -1,4 +1,4 @@
-"""Platforms that the tests do not run on: the imports of the package, and a browser without threads and processes."""
+"""Other platforms: the imports of the package, and a browser without threads and processes."""
 
 import ast
 import subprocess

@@ -1,4 +1,4 @@
-"""The page that plays a run, as a text: what is in it, and what is not; and what a notebook shows of results."""
+"""The text of the page that plays a run, and what a notebook shows of results."""
 
 import json
 import zlib
@@ -178,7 +178,8 @@ def test_markup_in_titles_provenance_and_data_is_text(run, page, monkeypatch):
         lambda summary: (data(summary)[0] | {"note": MARKUP}, data(summary)[1]),
     )
     found = Page(player_page(run))
-    assert (found.tags, found.payload["note"]) == (page.tags, MARKUP)
+    assert found.tags == page.tags
+    assert found.payload["note"] == MARKUP
 
 
 def test_policy_allows_the_pages_own_script_and_style_and_nothing_else(page):
@@ -236,7 +237,8 @@ def test_windows_begin_at_the_first_contact(run, seed_march):
     # The exact model's contact is a window, and a frame of its own.
     payload = Page(player_page(Run.exact(seed_march, [412.0, 412.4, 412.6]))).payload
     [window] = payload["windows"]
-    assert (window["benches"], window["end"]) == ([0, 8], None)
+    assert window["benches"] == [0, 8]
+    assert window["end"] is None
     assert window["begin"] == pytest.approx(412.4738, abs=1e-4)
     assert payload["times"] == [412.0, 412.4, window["begin"], 412.6]
 

@@ -1,4 +1,4 @@
-"""The player in a real browser: it plays, shows what the run and the exact model say, and uses no network."""
+"""The player in a real browser: it plays, agrees with the exact model, and uses no network."""
 
 from contextlib import contextmanager
 from dataclasses import replace

@@ -334,7 +334,7 @@ def square(body, size):
 
 
 def passed(size, wall, step, share, shape):
-    """Whether a body that flies at a wall at 30 m/s from a share of a step passes, and is noticed."""
+    """Whether a body that meets a wall at 30 m/s within a step passes, and is noticed."""
     space = pymunk.Space()
     body = pymunk.Body(1, 1)
     body.position = -2 - 30 * step * share, 0
@@ -401,7 +401,7 @@ def largest_gap(joints):
 
 
 def load(space):
-    """A force of 10 N on the static body, by a joint or a contact: a function that reads it as an impulse."""
+    """Reading, as an impulse, of 10 N on the static body, by a joint or a contact."""
     space.gravity = 0, -10
     body = pymunk.Body(1, 1)
     joint = pymunk.PivotJoint(space.static_body, body, (0, 0), (0, 0))

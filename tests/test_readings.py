@@ -1,4 +1,4 @@
-"""Readings of spaces: energies against conservation, forces and torques against weights, normals, and what touches."""
+"""Readings of spaces: energies, forces, torques and normals against mechanics, and contacts."""
 
 from __future__ import annotations
 
@@ -363,7 +363,7 @@ def dynamic(space, x):
 
 
 def first_touch(space, add_wall):
-    """Time of the first step after which a moving ball and a wall 1 m ahead touch; None within 2 s."""
+    """Time of the step after which a ball and a wall 1 m ahead touch; None within 2 s."""
     touches = Touches(space)
     for step in range(1, 201):
         space.step(0.01)
@@ -534,7 +534,7 @@ def test_page_gets_units_of_forces_torques_and_energies_in_the_lengths_of_the_sp
 
 
 def test_whole_numbers_have_64_bits_only_where_they_need_them_on_every_platform():
-    """Counts and indices are `np.intp` and Pymunk's pointers `np.uintp`, which have 32 bits where Python has."""
+    """Counts and indices are `np.intp`, Pymunk's pointers `np.uintp`: 32 bits where Python has."""
     wanted = {
         # Products of numbers of cells.
         (

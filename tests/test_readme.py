@@ -1,4 +1,4 @@
-"""What README, the guides, the long docstrings and the examples of docstrings show runs as it stands."""
+"""The programs of README, guides and docstrings run as they stand."""
 
 from __future__ import annotations
 
@@ -105,7 +105,7 @@ def test_commands_and_make_targets_exist():
 
 
 def test_figures_of_the_readme_are_those_of_the_documentation():
-    """The documentation has the command that measures each of them, and its outputs are compared with the program's."""
+    """The documentation has the command that measures them; a program's outputs are compared."""
     documentation = " ".join(
         document.text for document in DOCUMENTS if document not in (README, CHINESE)
     )

@@ -257,7 +257,8 @@ def test_what_cannot_be_written_down_is_refused_before_a_run_is_made(tmp_path):
     run = Run.exact(march, [0.0])
     for refuse in (Scenario.of, lambda march: run.save(tmp_path / "run.npz")):
         error = refusal(refuse, march)
-        assert (error.name, error.value) == ("curve.pieces[0].curve", "LogarithmicSpiral")
+        assert error.name == "curve.pieces[0].curve"
+        assert error.value == "LogarithmicSpiral"
     assert list(tmp_path.iterdir()) == []
 
 

@@ -1,4 +1,4 @@
-"""Live sessions: what a hand does to a scene, replays to the bit, and a server that clients cannot bring down."""
+"""Live sessions: pulls on a scene, replays equal to the bit, and a server with bad clients."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Live sessions in a real browser: what a mouse or a finger does there reaches the engine, and the page shows it."""
+"""Live sessions in a real browser: mouse and fingers reach the engine, and the page shows it."""
 
 from __future__ import annotations
 
@@ -184,7 +184,7 @@ def filmed(page, folder, meanwhile):
 
 
 def pictures_of(film):
-    """Codec and pictures of a film, which has no damaged one. FFmpeg itself: imageio's reader leaves its pipes open."""
+    """Codec and pictures of an undamaged film, by FFmpeg: imageio leaves pipes open."""
     command = [imageio_ffmpeg.get_ffmpeg_exe(), "-err_detect", "explode", "-xerror", "-i", film]
     command += ["-fps_mode", "passthrough", "-f", "rawvideo", "-pix_fmt", "gray", "-"]
     done = subprocess.run(command, capture_output=True, check=True)

@@ -56,7 +56,7 @@ class Drawn(pymunk.SpaceDebugDrawOptions):
 
 @pytest.fixture
 def spaces(monkeypatch):
-    """Space and length of a step of each example that draws with pygame or not at all, as it makes its first step."""
+    """Space and step of each example that draws with pygame or not at all, at its first step."""
     pytest.importorskip("pygame", reason="pygame-ce is in the extra test")
     for name in ("SDL_VIDEODRIVER", "SDL_AUDIODRIVER"):
         monkeypatch.setenv(name, "dummy")
@@ -133,7 +133,7 @@ CHANGED = {name: others for names, *others in ROWS for name in names.split(", ")
 
 
 def changed(source, space_line, step_line, direction):
-    """The source of an example with the lines of the table in the guide, and how many lines changed."""
+    """Source of an example with the lines of the guide's table, and how many lines changed."""
     lines = ["from __future__ import annotations", "from pymunk_dragon import PygameEvents, live"]
     owner = "self." if space_line.startswith("self.") else ""
     count = 1

@@ -33,7 +33,7 @@ def ball(space, place, radius=0.5, **about):
 
 
 def moved(kind):
-    """A space with a shape at (100, 50), 2 wide and 2 high, whose body was moved or turned after it was added."""
+    """A space with a shape of 2 x 2 at (100, 50), whose body was moved or turned afterwards."""
     space = pymunk.Space()
     body = pymunk.Body(
         1, 1, body_type=pymunk.Body.KINEMATIC if kind == "kinematic" else pymunk.Body.DYNAMIC
@@ -97,7 +97,7 @@ def test_static_body_that_is_moved_is_drawn_where_it_collides_until_it_is_reinde
 
 
 def crowd():
-    """Boxes that sleep, a heap beside them, a kinematic bar, a static step that was moved, and a chain."""
+    """Sleeping boxes, a heap, a kinematic bar, a static step that was moved, and a chain."""
     space = pymunk.Space()
     space.gravity, space.sleep_time_threshold = (0, -10), 0.3
     ground = pymunk.Segment(space.static_body, (-9, 0), (9, 0), 0.1)
@@ -360,7 +360,7 @@ def window(pygame):
 
 
 def told_to(pygame, clients, on, messages):
-    """Events that pygame gets when a client sends messages; names of their types, and the events."""
+    """Events of pygame after a client's messages: names of their types, and the events."""
     for action, arguments in messages:
         clients.send("page", action, **arguments)
     on.settle()

@@ -98,7 +98,7 @@ def test_drag_on_empty_ground_inside_a_sensor_moves_the_view(browser):
 
 @contextmanager
 def playing(browser, monkeypatch, **options):
-    """The page of a pygame program with a window of 300 x 200 pixels; and pygame, whose events nobody takes."""
+    """Page of a pygame program, 300 x 200 pixels; and pygame, whose events nobody takes."""
     pygame = pytest.importorskip("pygame", reason="pygame-ce is in the extra test")
     for name in ("SDL_VIDEODRIVER", "SDL_AUDIODRIVER"):
         monkeypatch.setenv(name, "dummy")
@@ -113,7 +113,7 @@ def playing(browser, monkeypatch, **options):
 
 
 def posted(session, pygame, wanted):
-    """Wait until a page has posted so many events that are no motion; their names, and buttons, keys or turns.
+    """Wait until a page has posted so many events that are no motion; names, and their values.
 
     SDL has events of its own in the queue, as of a new audio device or of a window that gains the
     focus.

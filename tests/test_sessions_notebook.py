@@ -36,7 +36,8 @@ def build():
     space = pymunk.Space()
     space.damping = 0.1
     body = pymunk.Body(1, 1)
-    space.add(body, pymunk.Circle(body, 0.5), pymunk.Segment(space.static_body, (-2, -2), (4, -2), 0.1))
+    floor = pymunk.Segment(space.static_body, (-2, -2), (4, -2), 0.1)
+    space.add(body, pymunk.Circle(body, 0.5), floor)
     spaces.append(space)
     return space
 
@@ -89,7 +90,7 @@ CIRCLE = "live.frame.calls.find(({ kind }) => kind === 'circle').points[0]"
 
 @contextmanager
 def watched(source="pendulum"):
-    """A session that is stepped by hand, its widget, and what that has sent: texts, and headers of frames."""
+    """A session stepped by hand, its widget, and what that sent: texts, and headers of frames."""
     with played(source) as on:
         widget = widgets.LiveWidget(on.session)
         widget.texts, widget.frames = [], []

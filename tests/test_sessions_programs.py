@@ -1,4 +1,4 @@
-"""Programs of the user's that play live: functions that build spaces, controls, charts, and what goes wrong in them."""
+"""Live programs of users: functions that build spaces, controls, charts, and their errors."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Start again: what a space that is built, or one that is given, gets back; and that no error ends a session."""
+"""Start again: the state that a space gets back; and errors, which end no session."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Smallest pitch and sensitivity: against many digits, certificates and Shapely; and studies by name."""
+"""Smallest pitch and sensitivity, against many digits, certificates and Shapely; studies' names."""
 
 import io
 import json
@@ -53,7 +53,8 @@ def test_the_smallest_pitch_is_that_of_fifty_digits(answer):
 def test_two_benches_touch_at_the_smallest_pitch_and_overlap_at_a_smaller_one(answer):
     at, below, above = (hit_at(answer.pitch + change) for change in (1e-13, -1e-8, 1e-8))
     assert at.status == above.status == "clear"
-    assert (below.status, below.benches) == ("contact", (0, 19))
+    assert below.status == "contact"
+    assert below.benches == (0, 19)
     least = min(above.near_misses, key=lambda miss: miss.gap)
     assert least.benches == (0, 19)
     assert least.gap == pytest.approx(1e-8, rel=0.01)
@@ -100,8 +101,10 @@ def test_other_dragons_and_circles_touch_at_their_smallest_pitch(answer):
 
 def test_where_nothing_is_in_the_way_the_head_starts_on_the_circle():
     found = min_pitch(radius=8.0)
-    assert (found.pitch, found.arrival_distance) == (0.5, 0.0)
-    assert (found.benches, found.contact_pitch) == (None, None)
+    assert found.pitch == 0.5
+    assert found.arrival_distance == 0.0
+    assert found.benches is None
+    assert found.contact_pitch is None
     assert "0.500000000000 m" in str(found)
 
 
@@ -182,7 +185,7 @@ def test_where_the_smallest_pitch_is_limited_as_the_head_arrives_its_slope_is_th
 
 @pytest.fixture
 def known(monkeypatch, answer):
-    """The study of the smallest pitch with the known answer, which the program does not compute again."""
+    """The study of the smallest pitch with the known answer, which is not computed again."""
     found = replace(STUDIES["min-pitch"], run=lambda dragon, progress: answer)
     monkeypatch.setitem(STUDIES, "min-pitch", found)
 
@@ -194,7 +197,9 @@ def test_the_program_answers_in_words_and_in_json(call, answer, known):
     assert str(answer).startswith("smallest pitch 0.450337393027 m")
     status, out, err = call("study", "min-pitch", "--json")
     found = json.loads(out)
-    assert (status, err, found["benches"]) == (0, "", [0, 19])
+    assert status == 0
+    assert err == ""
+    assert found["benches"] == [0, 19]
     assert found["contact_pitch"] < found["pitch"] == answer.pitch < found["clear_pitch"]
 
 

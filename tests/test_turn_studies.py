@@ -1,4 +1,4 @@
-"""Questions 4 and 5: the turn, the shortest turn and the speed limit, against many digits, Shapely and brute force."""
+"""Questions 4 and 5: the turn and the speed limit, against many digits and brute force."""
 
 import json
 import sys
@@ -39,7 +39,7 @@ def walked(curve, since, until):
 
 
 def scanned(dragon, curve, begin, end, step):
-    """The largest speed over the head's among samples every `step` m, and where the head is then."""
+    """Largest speed over the head's in samples every `step` m, and the head's coordinate there."""
     ways = np.arange(begin, end, step)
     parts = np.array_split(ways, max(1, ways.size // 500))
     seen = np.concatenate([March(dragon, curve).at(part).speeds.max(axis=1) for part in parts])
@@ -57,7 +57,8 @@ def test_no_two_arcs_make_the_turn_shorter(answer):
 @pytest.mark.thorough
 def test_dragon_gets_round_both_turns_without_touching_itself(answer):
     for turn in (answer.contests, answer.shortest):
-        assert (turn.contact.status, turn.contact.time) == ("clear", 100)
+        assert turn.contact.status == "clear"
+        assert turn.contact.time == 100
         # At one of the times every other metre, by somebody else's geometry.
         for poses in turn.march.at(np.arange(-10.0, 100.5, 2.0)).poses:
             benches = shapely.polygons(turn.march.dragon.outlines(poses))
@@ -77,10 +78,11 @@ def test_the_ratios_are_the_largest_seen_and_the_shortest_turn_has_no_larger_one
 
 
 def test_the_largest_ratio_of_a_turn_is_no_sample_of_it():
-    """A peak of millimetres: in 4.275 m samples every 1.2 mm see 5.23, and in 4.27 m 16.4; rounding counts there."""
+    """A peak of millimetres: samples every 1.2 mm see 5.23 of 4.275 m, and 16.4 of 4.27 m."""
     for radius in (4.275, 4.27):
         found, certified = u_turn(radius=radius, search=False).contests, max_speed(radius=radius)
-        assert (found.ratio, found.excess) == (certified.ratio, certified.excess)
+        assert found.ratio == certified.ratio
+        assert found.excess == certified.excess
         ways = certified.distance + np.linspace(-1e-6, 1e-6, 101)
         seen = March(Dragon(benches=12), UTurn(radius=radius)).at(ways).speeds.max()
         assert found.ratio * (1 - 1e-4) < seen <= found.ratio * (1 + found.excess)
@@ -89,7 +91,8 @@ def test_the_largest_ratio_of_a_turn_is_no_sample_of_it():
 
 def test_ratio_of_differing_benches_is_said_to_be_a_sample():
     found = u_turn(Dragon(body_spacing=[1.65, 1.5, 1.65]), search=False)
-    assert (found.contests.excess, found.to_dict()["peak_speed_excess"]) == (None, None)
+    assert found.contests.excess is None
+    assert found.to_dict()["peak_speed_excess"] is None
     assert "at least 1.5967" in str(found)
     # Where the last bench of many may be the fastest, both ends of the enclosure are printed.
     wide = u_turn(Dragon(head_spacing=1.65), search=False)
@@ -127,13 +130,16 @@ def test_contests_sheet_has_all_times_from_before_the_circle_to_after_it(call, t
     file = tmp_path / "result4.xlsx"
     status, out, _ = call("study", "u-turn", "--benches", "12", "--no-search", "-o", file, "--json")
     told = json.loads(out)
-    assert (status, told["shortest"], told["contact"]["status"]) == (0, None, "clear")
+    assert status == 0
+    assert told["shortest"] is None
+    assert told["contact"]["status"] == "clear"
     assert {"length", "radii", "centres"} <= told.keys()
     assert told["length"] == pytest.approx(13.621245, abs=1e-6)
     book = openpyxl.load_workbook(file)
     positions, speeds = ([*book[name].iter_rows(values_only=True)] for name in ("位置", "速度"))
     assert positions[0] == speeds[0] == (None, *(f"{time} s" for time in range(-100, 101)))
-    assert (positions[1][101], positions[2][101]) == (-2.711856, -3.591078)
+    assert positions[1][101] == -2.711856
+    assert positions[2][101] == -3.591078
 
 
 # The speed limit
@@ -244,7 +250,9 @@ def test_impossible_limits_turns_and_dragons_are_refused_by_name():
 
 def test_program_tells_the_limit(call, limit):
     told = json.loads(call("study", "max-speed", "--json")[1])
-    assert (told["speed"], told["handle"], told["time"]) == (limit.speed, limit.handle, limit.time)
+    assert told["speed"] == limit.speed
+    assert told["handle"] == limit.handle
+    assert told["time"] == limit.time
 
 
 def test_contests_turn_is_the_best_where_the_search_finds_no_shorter_one(monkeypatch):

@@ -1,4 +1,4 @@
-"""For `make lint`, a warning for each text without a Chinese translation, and for each translation without a use."""
+"""For `make lint`: a warning for each text without a translation, and for each unused one."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def report(what: str, wanted: Iterable[str], found: Iterable[str]) -> None:
 
 
 def strings(node: ast.AST) -> set[str]:
-    """The string literals in a part of a program, of which f-strings have the names of their fields."""
+    """The string literals in a part of a program; f-strings have the names of their fields."""
     nodes = list(ast.walk(node))
     found = {
         each.value
@@ -68,7 +68,7 @@ def blocks(element: Tag) -> Iterator[str]:
 
 
 def html_texts(page: str) -> set[str]:
-    """Texts of the elements and attributes of a page; those with a {{placeholder}} are filled in elsewhere."""
+    """Texts of a page's elements and attributes without a {{placeholder}}."""
     parts = {path.stem: path.read_text() for path in (PACKAGE / "web/assets").glob("*.html")}
     whole = re.sub(r"\{\{(\w+)\}\}", lambda found: parts.get(found[1], found[0]), page)
     soup = BeautifulSoup(whole[whole.index("<body") :], "html.parser")

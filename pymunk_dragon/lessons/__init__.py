@@ -1,4 +1,4 @@
-"""The lessons: one file each, which is also a program of its own. `_framework` runs and writes them.
+"""The lessons, one file each, which is also a program; `_framework` runs and writes them.
 
 Short experiments for a class, or for yourself, from the spiral to a robot's arm. Each asks a
 question, lets you guess, opens a stage on which you try, and then gives the answer and a number to

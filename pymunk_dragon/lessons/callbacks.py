@@ -24,7 +24,9 @@ def build(elasticity: float = 0.5, note: Any = events.append) -> pymunk.Space:
     space = pymunk.Space()
     for position, angle, velocity in [((-2.4, 1.7), -0.6, (2.5, -1)), ((0, 0), 0, (0, 0))]:
         body = pymunk.Body(mass=10, moment=5)
-        body.position, body.angle, body.velocity = position, angle, velocity
+        body.position = position
+        body.angle = angle
+        body.velocity = velocity
         shape = pymunk.Poly.create_box(body, (2.2, 0.3))
         shape.elasticity = elasticity
         space.add(body, shape)
@@ -41,7 +43,7 @@ def build(elasticity: float = 0.5, note: Any = events.append) -> pymunk.Space:
 
 
 def calm(space: pymunk.Space, time: float) -> None:
-    """Live, the benches come to rest after the blow, so that one can be dragged against the other."""
+    """Live, let the benches come to rest, so that one can be dragged against the other."""
     for body in space.bodies if time > 1 else []:
         body.velocity, body.angular_velocity = 0.97 * body.velocity, 0.97 * body.angular_velocity
 

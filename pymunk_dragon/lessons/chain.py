@@ -35,9 +35,8 @@ print(f"{len(found)} points at {bench} m from handle 0, whose r = {np.hypot(*han
 for j in range(back - 2, back + 4):
     turns = (spiral.angle(found[j]) - spiral.angle(here)) / (2 * np.pi)
     x, y = points[j]
-    print(
-        f"{turns:6.3f} turns back  arc {here - found[j]:7.3f} m  r = {np.hypot(x, y):.3f} m  ({x:.4f}, {y:7.4f}) m"
-    )
+    print(f"{turns:6.3f} turns back  arc {here - found[j]:7.3f} m  ", end="")
+    print(f"r = {np.hypot(x, y):.3f} m  ({x:.4f}, {y:7.4f}) m")
 x, y = March(Dragon(head_spacing=bench), spiral).at(t).positions[0, 1]
 print(f"March's handle 1                              ({x:.4f}, {y:7.4f}) m")
 

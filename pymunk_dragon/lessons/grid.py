@@ -39,7 +39,8 @@ print("rows and columns", *(f"({row}, {column})" for row, column in cells))
 # %%
 # What filing saves, and what it costs: entries of a bench in a cell.
 for count in (16, 223):
-    filed, pairs = grid.file(benches[:count])[0], grid.pairs(benches[:count])
+    filed = grid.file(benches[:count])[0]
+    pairs = grid.pairs(benches[:count])
     touching = separation(*benches[pairs.T]).distance < 1e-9
     print(
         f"{count:3} benches  {(count - 1) * (count - 2) // 2:5} pairs  {len(filed):4} entries",

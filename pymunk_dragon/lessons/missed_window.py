@@ -29,14 +29,16 @@ def gap(times: ArrayLike) -> NDArray[np.float64]:
 # at less than 0.5 rad/s, so they are slower than 1.2 m/s. Within a time interval no gap is smaller
 # than in its middle by more than two benches move in half of it. An interval in which that could
 # close the gap is split into its halves.
-fastest, begins, until, samples = 1200, np.arange(400.0, 413.0), np.inf, 0  # mm/s, s, s
+fastest = 1200  # mm/s
+begins = np.arange(400.0, 413.0)  # s
+until = np.inf  # s
+samples = 0
 for halvings in range(31):
     length = 0.5**halvings
     gaps = gap(begins + length / 2)
     samples += len(gaps)
-    until = min(
-        [until, *begins[gaps <= 0] + length / 2]
-    )  # a contact; what comes later is not the first
+    # A contact: what comes later is not the first.
+    until = min([until, *begins[gaps <= 0] + length / 2])
     begins = begins[gaps <= 2 * fastest * length / 2]
     begins = np.sort(np.concatenate([begins, begins + length / 2]))
     begins = begins[begins < until]
@@ -48,9 +50,8 @@ times = until + np.linspace(-0.07, 0.27, 34_001)
 touching, deepest = times[gap(times) <= 0], gap(times).argmin()
 _, bench = hit.contact.benches
 angle = np.degrees(np.ptp(march.at(times[deepest]).poses[0, [0, bench], 2]))
-print(
-    f"{np.ptp(touching):.3f} s long  {-gap(times)[deepest]:.3f} mm deep  at an angle of {angle:.2f} degrees"
-)
+print(f"{np.ptp(touching):.3f} s long  {-gap(times)[deepest]:.3f} mm deep  ", end="")
+print(f"at an angle of {angle:.2f} degrees")
 
 plt.figure(figsize=(5, 3))
 plt.plot(times, gap(times))

@@ -38,25 +38,20 @@ for time in times[overlaps][:1]:  # the first one, if there is any
 # 10 times. The coarse one takes 10 steps, and goes over them once.
 coarse = simulate(march, start=398, until=413, substep=0.1, iterations=1)
 for name, run in (("careful engine", simulate(march, start=398)), ("coarse engine", coarse)):
-    print(
-        f"{name:15}{run.first_contact.time:.3f} s  benches {run.first_contact.benches}  contact  ",
-        end="",
-    )
+    touch = run.first_contact
+    print(f"{name:15}{touch.time:.3f} s  benches {touch.benches}  contact  ", end="")
     print(f"off by up to {1000 * run.max_drift:.4g} mm")
 
 # %%
 # For the check: where the head's rear left corner and two handles are at the last near miss.
 state = march.at(miss.time)
 points = march.dragon.outlines(state.poses)[0, 0, 3], *state.positions[0, 11:13]
-for name, (x, y) in zip(
-    ("C, corner of the head", "A, handle 11", "B, handle 12"), points, strict=True
-):
+names = ("C, corner of the head", "A, handle 11", "B, handle 12")
+for name, (x, y) in zip(names, points, strict=True):
     print(f"{name:22}({x:.6f}, {y:.6f}) m")
 
-poses = march.at(times, handles=17).poses
-gaps = separation(
-    march.dragon.outlines(poses)[:, :1], march.dragon.outlines(poses)[:, 2:]
-).distance.min(axis=1)
+outlines = march.dragon.outlines(march.at(times, handles=17).poses)
+gaps = separation(outlines[:, :1], outlines[:, 2:]).distance.min(axis=1)
 plt.figure(figsize=(5, 3))
 plt.plot(times, 1000 * gaps)
 plt.xlabel("time (s)")

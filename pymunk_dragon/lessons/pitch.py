@@ -21,7 +21,7 @@ print(f"inward march    {16 * found.pitch:.3f} m to 4.5 m from the centre  {arri
 
 
 def smallest_gap(pitch: float, step: float) -> float:
-    """The smallest gap between the head and benches 2 to 39 in mm, checked every `step` s in the last 20 s."""
+    """Smallest gap of the head and benches 2 to 39, mm, every `step` s of the last 20 s."""
     spiral = Spiral(pitch=pitch)
     march = March(Dragon(benches=40), spiral)
     arrival = spiral.at_radius(4.5) - march.head_start  # m along the spiral, and so s at 1 m/s
@@ -33,7 +33,9 @@ def smallest_gap(pitch: float, step: float) -> float:
 # %%
 # With a check each second: halve the bracket, which begins with a bench's width and the contest's
 # pitch.
-blocked, free, interval = 0.30, 0.55, 1.0  # m, m, s
+blocked = 0.30  # m
+free = 0.55  # m
+interval = 1.0  # s
 while free - blocked > 1e-7:
     middle = (blocked + free) / 2
     blocked, free = (blocked, middle) if smallest_gap(middle, interval) > 0 else (middle, free)
@@ -43,11 +45,8 @@ for step in (interval, 0.01):
 plt.figure(figsize=(5, 3.5))
 pitches = np.linspace(found.pitch - 1e-4, found.pitch + 1e-4, 9)
 for step in (interval, 0.01):
-    plt.plot(
-        1000 * pitches,
-        [smallest_gap(pitch, step) for pitch in pitches],
-        label=f"checked each {step:g} s",
-    )
+    gaps = [smallest_gap(pitch, step) for pitch in pitches]
+    plt.plot(1000 * pitches, gaps, label=f"checked each {step:g} s")
 plt.axhline(0, color="black", lw=0.8)
 plt.xlabel("pitch (mm)")
 plt.ylabel("smallest gap (mm)")

@@ -63,20 +63,16 @@ print(
 states = march.at(np.arange(0.1, hit.time - 0.1, 0.1))
 for word, found in [("fastest", states.speeds.argmax()), ("slowest", states.speeds.argmin())]:
     now, joint = np.unravel_index(found, states.speeds.shape)
-    print(
-        f"{word}  joint {joint:2d}   t = {states.times[now]:.1f} s   {states.speeds[now, joint]:.3f} m/s"
-    )
-for time in (
-    states.times[now] - 0.1,
-    states.times[now] + 0.1,
-):  # where the slowest one was before, and after
+    print(f"{word}  joint {joint:2d}   t = {states.times[now]:.1f} s   ", end="")
+    print(f"{states.speeds[now, joint]:.3f} m/s")
+# Where the slowest one was before, and after.
+for time in (states.times[now] - 0.1, states.times[now] + 0.1):
     x, y = march.at(time).positions[0, joint]
     print(f"         joint {joint:2d}   t = {time:.1f} s   at ({x:.4f}, {y:.4f}) m")
 
 plt.figure(figsize=(5, 3))
-plt.plot(
-    *march.curve.point(np.linspace(march.curve.begin_s, march.curve.end_s, 500)).T, color="silver"
-)
+s = np.linspace(march.curve.begin_s, march.curve.end_s, 500)
+plt.plot(*march.curve.point(s).T, color="silver")
 for link in arm.outlines(run.poses_at(hit.time)):
     plt.fill(*link.T, alpha=0.7)
 plt.axis("equal")

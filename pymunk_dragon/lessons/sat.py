@@ -13,12 +13,11 @@ from numpy.typing import NDArray
 
 from pymunk_dragon import outlines, separation
 
-length, width, aside, ahead = (
-    2.20,
-    0.30,
-    1.60,
-    0.90,
-)  # m; so far aside and ahead of bench A the other one, B, turns
+length = 2.20  # m
+width = 0.30  # m
+# The other bench, B, turns so far aside and ahead of bench A, m.
+aside = 1.60
+ahead = 0.90
 names = ["along A", "across A", "along B", "across B"]
 
 
@@ -28,7 +27,7 @@ def benches(degrees: float) -> NDArray[np.float64]:
 
 
 def gaps(degrees: float) -> NDArray[np.float64]:
-    """Gaps between the shadows on the axes along the edges of both benches, m; below zero the shadows overlap."""
+    """Gaps of the shadows on the axes along all edges, m; below zero the shadows overlap."""
     corners = benches(degrees)
     axes = ((corners[:, [1, 3]] - corners[:, [0]]) / [[length], [width]]).reshape(4, 2)
     seen = corners @ axes.T  # how far each corner is along each axis
@@ -39,10 +38,10 @@ def gaps(degrees: float) -> NDArray[np.float64]:
 # %%
 # The widest of the four gaps, and what the library says of the same benches.
 for turn in range(30, 180, 30):
-    found, apart = gaps(turn), separation(*benches(turn)).distance
-    print(
-        f"{turn:3} deg  widest gap {found.max():7.4f} m  {names[found.argmax()]:8}  separation {apart:7.4f} m"
-    )
+    found = gaps(turn)
+    apart = separation(*benches(turn)).distance
+    print(f"{turn:3} deg  widest gap {found.max():7.4f} m  ", end="")
+    print(f"{names[found.argmax()]:8}  separation {apart:7.4f} m")
 
 turns = range(181)
 plt.figure(figsize=(5, 3.5))

@@ -19,7 +19,8 @@ march = March(found.dragon, found.curve, speed=found.speed)
 
 # %%
 # At that moment: the angles from a bench to the velocities of its front and rear handles.
-state, product = march.at(found.time), 1.0
+state = march.at(found.time)
+product = 1.0
 for i in range(found.handle):
     bench = state.positions[0, i] - state.positions[0, i + 1]
     front, rear = (
@@ -28,9 +29,8 @@ for i in range(found.handle):
     )
     ratio = np.cos(front) / np.cos(rear)
     product *= ratio
-    print(
-        f"bench {i}: {np.degrees(front):7.4f} and {np.degrees(rear):7.4f} degrees  cos / cos = {ratio:.4f}"
-    )
+    print(f"bench {i}: {np.degrees(front):7.4f} and {np.degrees(rear):7.4f} degrees  ", end="")
+    print(f"cos / cos = {ratio:.4f}")
 print(f"product {product:.4f}")
 
 # Where the head enters the circle, changes arcs and leaves, the curvature of the path jumps.

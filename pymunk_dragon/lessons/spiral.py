@@ -26,10 +26,8 @@ theta, points = spiral.angle(s), spiral.point(s)
 rate = -np.gradient(theta, t)  # rad/s about the centre
 walking = np.hypot(*np.gradient(points, t, axis=0).T)  # m/s along the curve
 for i in np.linspace(0, len(t) - 1, 5, dtype=int):
-    print(
-        f"t = {t[i]:3.0f} s  r = {np.hypot(*points[i]):.3f} m  walking {walking[i]:.3f} m/s  ",
-        end="",
-    )
+    print(f"t = {t[i]:3.0f} s  r = {np.hypot(*points[i]):.3f} m  ", end="")
+    print(f"walking {walking[i]:.3f} m/s  ", end="")
     print(f"turning {rate[i]:.3f} rad/s, a round in {2 * np.pi / rate[i]:.1f} s")
 
 plt.figure(figsize=(5, 3))

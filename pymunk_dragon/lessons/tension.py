@@ -17,7 +17,9 @@ import pymunk
 
 from pymunk_dragon import Slider
 
-BENCHES, MASS, STEP = 24, 10.0, 0.01  # kg, s
+BENCHES = 24
+MASS = 10.0  # kg
+STEP = 0.01  # s
 KEPT = 0.5  # of the speed, in a second
 # A speed that falls to a half in a second falls at the rate ln 2. Pymunk lets it fall in a step,
 # and the joints bring it back at its end: in between a bench is slower than 1 m/s, and the drag on
@@ -39,9 +41,8 @@ def build(benches: int = BENCHES, dancers: int = 0) -> pymunk.Space:
         space.add(body, shape)
         if number * dancers % benches < dancers:
             body.velocity_func = pushed
-    space.add(
-        *(pymunk.PivotJoint(before, body, (-1, 0), (1, 0)) for before, body in pairwise(bodies))
-    )
+    for before, body in pairwise(bodies):
+        space.add(pymunk.PivotJoint(before, body, (-1, 0), (1, 0)))
     return space
 
 
@@ -54,9 +55,8 @@ def pushed(body: pymunk.Body, gravity: Any, damping: float, dt: float) -> None:
 def first(space: pymunk.Space) -> float:
     """Live, the force in the joint at the head, N."""
     head, *_ = space.bodies
-    return sum(joint.impulse for joint in space.constraints if joint.a is head) / (
-        space.current_time_step or STEP
-    )
+    impulse = sum(joint.impulse for joint in space.constraints if joint.a is head)
+    return impulse / (space.current_time_step or STEP)
 
 
 def follow(space: pymunk.Space, time: float) -> None:
@@ -66,8 +66,8 @@ def follow(space: pymunk.Space, time: float) -> None:
 
 
 sliders = [
-    Slider(name, low, 24, label=name.title(), rebuilds=True)
-    for name, low in [("benches", 2), ("dancers", 0)]
+    Slider("benches", 2, 24, label="Benches", rebuilds=True),
+    Slider("dancers", 0, 24, label="Dancers", rebuilds=True),
 ]
 # With longer steps, the engine tears the chain apart.
 sliders.append(Slider("step", 1, 50, label="Time step", unit="ms", logarithmic=True))
@@ -89,10 +89,10 @@ for name, kept, dancers in [
     # Pymunk gives impulses, in N s, of a whole step.
     force = [joint.impulse / STEP for joint in space.constraints]
     plt.plot(force, "o", label=name)
-    print(
-        f"{name:15}"
-        + "".join(f"   joint {joint:2d}: {force[joint]:5.1f} N" for joint in (0, 1, 12, 23))
-    )
+    print(f"{name:15}", end="")
+    for joint in (0, 1, 12, 23):
+        print(f"   joint {joint:2d}: {force[joint]:5.1f} N", end="")
+    print()
 plt.xlabel("joint, from head to tail")
 plt.ylabel("force (N)")
 plt.legend()

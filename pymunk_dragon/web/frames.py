@@ -1,4 +1,4 @@
-"""Frames that the canvas of a page draws: Pymunk's draw calls as numbers, and other arrays, after a JSON header."""
+"""Frames of a page's canvas: a JSON header, Pymunk's draw calls as numbers, other arrays."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _KINDS = {"circle": 0, "segment": 1, "polygon": 2, "line": 3, "dot": 4}
 def packed(
     calls: Sequence[DrawCall], grip: Callable[[Any], int]
 ) -> tuple[Array, list[list[float]]]:
-    """Return calls as numbers, and their colours.
+    """Calls as numbers, and their colours.
 
     A call is its kind, number of points, radius, angle, fill, outline and grip, and the points.
     The grip is that of its shape, and 0 without one.
@@ -39,9 +39,10 @@ def packed(
 
 
 def in_binary(header: Mapping[str, Any], arrays: Mapping[str, Array]) -> bytes:
-    """Return a frame: a JSON header with sizes, preceded by its length, and arrays of 32-bit numbers."""
+    """A frame: the length of a JSON header, the header with sizes, and arrays of 32-bit numbers."""
     sizes = {name: array.size for name, array in arrays.items()}
-    text = json.dumps(without_nan({**header, "sizes": sizes}), allow_nan=False).encode()
+    values = without_nan({**header, "sizes": sizes})
+    text = json.dumps(values, allow_nan=False).encode()
     # The arrays begin at a multiple of four bytes.
     text += b" " * (-len(text) % 4)
     with np.errstate(over="ignore"):
@@ -50,7 +51,7 @@ def in_binary(header: Mapping[str, Any], arrays: Mapping[str, Array]) -> bytes:
 
 
 def without_nan(value: Any) -> Any:
-    """Return JSON values with None in place of numbers that JSON does not have."""
+    """JSON values with None in place of numbers that JSON does not have."""
     if isinstance(value, Mapping):
         return {name: without_nan(each) for name, each in value.items()}
     if isinstance(value, list | tuple):

@@ -26,9 +26,8 @@ def substituted(template: str, **values: str) -> str:
 def embedded_json(value: Any) -> str:
     """JSON of a value for a `script` element of a page."""
     # "<" is escaped, since an HTML parser would take "</script>" or "<!--" for markup.
-    return json.dumps(value, separators=(",", ":"), allow_nan=False, ensure_ascii=False).replace(
-        "<", "\\u003c"
-    )
+    made = json.dumps(value, separators=(",", ":"), allow_nan=False, ensure_ascii=False)
+    return made.replace("<", "\\u003c")
 
 
 def filled(package: str, template: str, **values: Any) -> str:
@@ -50,7 +49,7 @@ def data_address(content: bytes, media_type: str) -> str:
 
 
 def policy(style: str, script: str, pictures: str = "data:") -> str:
-    """Content security policy that allows this style, this script, and pictures from addresses `pictures`."""
+    """Content security policy with this style, this script, and addresses of `pictures`."""
     style_hash, script_hash = (
         b64encode(sha256(text.encode()).digest()).decode("ascii") for text in (style, script)
     )

@@ -60,7 +60,7 @@ SIZE, FPS = 640, 20
 
 
 def answers() -> None:
-    """The five answers of `studies` beside those of independent methods in 34 to 50 digits, and the time of both, s."""
+    """The answers of `studies` and of independent methods in 34 to 50 digits; time of both, s."""
     text = {
         "width": "0.3",
         "overhang": "0.275",
@@ -148,7 +148,7 @@ def largest_speed() -> mp.mpf:
 
 
 def plain_recursion(times: Array) -> tuple[Array, Array]:
-    """Complex positions and speeds (T, 224) of the reference march, handle by handle: the fastest way known with NumPy.
+    """Complex positions and speeds (T, 224) of the reference march: fastest known with NumPy.
 
     Newton's method (paper, eq. 10-15) on the angle between two handles begins at the angle between
     the two before.
@@ -175,7 +175,7 @@ def plain_recursion(times: Array) -> tuple[Array, Array]:
 
 
 def march() -> None:
-    """Processor time of positions and velocities of 301 times x 224 handles (`model`); plain recursion has speeds."""
+    """Processor time of positions and velocities of 301 times x 224 handles (`model`)."""
     times, march = np.linspace(0.0, 300.0, sized(301, 3)), March()
     works = {"plain recursion with NumPy": lambda: plain_recursion(times)}
     compare(works | {"March.at": lambda: march.at(times)}, sized(60, 1), time.process_time)
@@ -200,13 +200,13 @@ BOX = Dragon(benches=2, head_spacing=1.65)  # two boxes of the size of a bench
 
 
 def gaps(first: Array, last: Array, shares: Array) -> Array:
-    """Distances (C,) of the boxes of each case, m, after `shares` (C,) of the way from `first` (C, 2, 3) to `last`."""
+    """Distances (C,) of boxes, m, at `shares` (C,) of the way from `first` (C, 2, 3) to `last`."""
     corners = BOX.outlines(first + shares[:, None, None] * (last - first))
     return separation(corners[:, 0], corners[:, 1]).distance
 
 
 def advanced(first: Array, last: Array) -> Array:
-    """Share of the way at which each case has a contact, or infinity, by conservative advancement to 0.1 mm."""
+    """Share of the way to each contact, or infinity, by conservative advancement to 0.1 mm."""
     moves, shares, left = last - first, np.zeros(len(first)), np.arange(len(first))
     most = np.hypot(*(moves[:, 1] - moves[:, 0])[:, :2].T)
     most += np.hypot(BOX.lengths[0], BOX.widths[0]) / 2 * np.abs(moves[..., 2]).sum(axis=1)
@@ -218,7 +218,7 @@ def advanced(first: Array, last: Array) -> Array:
 
 
 def time_of_impact() -> None:
-    """Contacts of turning boxes that Box2D's time of impact misses, or finds late (`renders/guides/certificate.md`)."""
+    """Contacts that Box2D misses or finds late (`renders/guides/certificate.md`)."""
     import Box2D  # Not for every Python.
 
     shape, random = (
@@ -271,7 +271,7 @@ def time_of_impact() -> None:
 
 
 def engine() -> None:
-    """The engine from t = 0 to the first contact (`physics`), and the page that plays it (`player`)."""
+    """The engine from t = 0 to the first contact (`physics`), and its page (`player`)."""
     played, exact = simulate(March(), until=sized(415.0, 0.2)), first_contact(March()).time or 0.0
     found = played.to_dict()
     late = played.first_contact.time - exact if played.first_contact else np.nan
@@ -285,7 +285,7 @@ def engine() -> None:
 
 
 def drift() -> None:
-    """Drift of the first twelve benches and of any, µm, and error of the contact, ms, from 400 s on (`physics`)."""
+    """Drift of the first twelve benches and of any, µm; error of the contact, ms (`physics`)."""
     march = March()
     exact = first_contact(march).time or 0.0
     rates, tries, drags = sized(
@@ -304,7 +304,7 @@ def drift() -> None:
 
 
 def pile_up() -> None:
-    """Gaps of joints, overlaps, and motion in the last 5 s, mm, 10 s after a contact that is resolved (`physics`)."""
+    """Joint gaps, overlaps and motion, mm, 10 s after a contact that is resolved (`physics`)."""
     march, contact = March(), 412.474
     played, rest = sized((10.0, 5.0), (0.5, 0.1))
     cases = sized(

@@ -1,4 +1,4 @@
-"""Live sessions: start, pictures a second, delay from the mouse to the body, many clients, and memory.
+"""Live sessions: start, frame rate, delay of the mouse, many clients, and memory.
 
 `python tests/bench/bench_live.py [start browser delay soak]`; all but the first and the last need
 Chromium.
@@ -112,7 +112,7 @@ def start() -> None:
 
 
 def soak() -> None:
-    """Frames, rate and memory for 10 minutes with 20 clients, obstacles, resets, and a client that drags."""
+    """Frames, rate and memory in 10 minutes with 20 clients, obstacles, resets and a drag."""
 
     async def clients(address: str, process: psutil.Process) -> list[list[float]]:
         watching = asyncio.gather(

@@ -30,7 +30,7 @@ PLACE = """([bench, out]) => {
 
 
 def act(page: Page, moves: list[Any]) -> None:
-    """Pull a bench, let it go, and make the head faster; note time, place and button of each move."""
+    """Pull a bench, release it, quicken the head; note time, place and button of each move."""
 
     def glide(to: list[float], seconds: float, down: bool = False) -> None:
         begin, start, share = time.time(), moves[-1][1], 0.0

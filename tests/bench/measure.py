@@ -1,4 +1,4 @@
-"""What the benchmarks share: a small size for the tests, timings, and the table that the command line chooses from."""
+"""What the benchmarks share: a small size for tests, timings, and the table of benchmarks."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def compare(
     repeats: int,
     clock: Callable[[], float] = time.perf_counter,
 ) -> dict[str, float]:
-    """Median time of each work, ms, of repeats in turns after a first one that is not measured; prints them."""
+    """Print and return the median time of each work, ms, of repeats in turns after a first one."""
     found: dict[str, list[float]] = {name: [] for name in works}
     for _ in range(repeats + 1):
         for name, work in works.items():

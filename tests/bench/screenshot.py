@@ -1,4 +1,4 @@
-"""Pictures of pages, in Chromium: `python tests/bench/screenshot.py march.html "#t=409.8" player.png`.
+"""Pictures of pages, by Chromium: `screenshot.py march.html "#t=409.8" player.png`.
 
 What the address's second half says is shown: a moment of a run, or a lesson with its experiment, in
 which sliders may get values, as `time_step=-3`. Chinese characters have the font of the extra

@@ -59,7 +59,7 @@ def public():
 
 
 def methods(found):
-    """Public methods that a class has from the package: their names, each with those of the classes that have it."""
+    """Names of a class's public methods from the package, each with the classes that have it."""
     for base in inspect.getmro(found) if inspect.isclass(found) else ():
         for name, kind in vars(base).items() if base.__module__.startswith("pymunk_dragon") else ():
             if isinstance(kind, FunctionType | classmethod | staticmethod) and name[0] != "_":
@@ -100,7 +100,7 @@ def folder():
 
 
 def check(name, changed):
-    """Call a function in a folder with files: a value of a wrong kind is refused, by an error of the package."""
+    """A value of a wrong kind is refused by an error of the package, in a folder with files."""
     function, right = CALLS[name]
     given = {argument: value for argument, (value, _) in right.items()}
     given |= {argument: VALUES[number][0] for argument, number in changed.items()}

@@ -339,7 +339,7 @@ KINDS = {
 
 
 def outcome(arguments):
-    """Exit code, stdout and stderr of a command line; any other exception or warning is an error."""
+    """Exit code, stdout and stderr of a command line; other exceptions and warnings are errors."""
 
     def stop(*_):
         raise RuntimeError(f"more than {MAX_SECONDS} s of processor time")

@@ -45,7 +45,7 @@ class Block(NamedTuple):
 
 @dataclass(frozen=True)
 class Lesson:
-    """The file of a lesson: a program in the percent format of Jupytext, with texts in cells of Markdown.
+    """The file of a lesson: a program in Jupytext's percent format, with texts in Markdown.
 
     Attributes
     ----------
@@ -104,32 +104,30 @@ class Lesson:
 
     @property
     def builds_scene(self) -> bool:
-        """Whether its first cell has a function `build` for its live scene, and the keywords `LIVE` of `live`."""
+        """Whether the first cell has `build` for a live scene, and keywords `LIVE` for `live`."""
         return "view" in self.options
 
     def scene(self) -> dict[str, Any]:
         """What the first cell builds: its function, its texts on the page, and how it is played."""
         found: dict[str, Any] = {}
         exec(self.cells[0], found)
-        about = {"name": self.options["scene"], "title": self.texts["Title"], "lesson": self.name}
-        return {
-            "build": found["build"],
-            "field": tuple(self.options["view"]),
-            **about,
-            **found["LIVE"],
-        }
+        scene: dict[str, Any] = {"build": found["build"], "field": tuple(self.options["view"])}
+        scene |= {"name": self.options["scene"], "title": self.texts["Title"], "lesson": self.name}
+        scene |= found["LIVE"]
+        return scene
 
     def sections(self, language: str = "en") -> Mapping[str, str]:
         """The Markdown of each section; one without a translation is English."""
         word("language", language, LANGUAGES)
-        return {**self.texts, **(_chinese().get(self.name, {}) if language == "zh" else {})}
+        chinese = _chinese().get(self.name, {}) if language == "zh" else {}
+        return {**self.texts, **chinese}
 
     def guesses(self, language: str = "en") -> list[Block]:
         """The questions that the class guesses: those in "Answer" with a list below."""
         return [block for block in blocks(self.sections(language).get("Answer", "")) if block.items]
 
     def guess(self, language: str = "en") -> str:
-        """The section "Guess" with the questions and their choices, but without what comes of them."""
+        """The section "Guess", the questions and their choices, without what comes of them."""
         questions = ["\n- ".join([each.text, *each.choices]) for each in self.guesses(language)]
         return "\n\n".join([self.sections(language).get("Guess", ""), *questions])
 
@@ -148,15 +146,14 @@ def blocks(markdown: str) -> list[Block]:
 @cache
 def lessons() -> Mapping[str, Lesson]:
     """The lessons of the package by name, in their order."""
-    found = sorted(
-        map(Lesson.read, FOLDER.glob("[!_]*.py")), key=lambda lesson: lesson.options["order"]
-    )
+    found = [Lesson.read(path) for path in FOLDER.glob("[!_]*.py")]
+    found.sort(key=lambda lesson: lesson.options["order"])
     return MappingProxyType({lesson.name: lesson for lesson in found})
 
 
 @cache
 def _chinese() -> dict[str, dict[str, str]]:
-    """The sections of each lesson in Chinese, in which a line that is no item is a paragraph of its own."""
+    """Sections of each lesson in Chinese; a line that is no list item is a paragraph."""
     found = tomllib.loads((FOLDER / "zh.toml").read_text(encoding="utf-8"))["lessons"]
     return {
         lesson: {name: re.sub(r"\n(?!- )", "\n\n", text) for name, text in sections.items()}

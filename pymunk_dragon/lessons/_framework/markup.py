@@ -1,4 +1,4 @@
-r"""The markup of the lessons' texts: `code`, **bold**, and formulas between dollar signs, in simple LaTeX."""
+r"""Markup of the lessons' texts: `code`, **bold**, and formulas, in simple LaTeX between $."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def html(text: str) -> str:
 
 
 def _part(part: str) -> str:
-    """A piece of code, a formula with stops, or text, in which no line ends between a number and its unit."""
+    """Code, a formula with stops, or text, in which a number and its unit stay on one line."""
     if part.startswith("`"):
         return f"<code>{escape(part[1:-1])}</code>"
     if part.startswith("$"):

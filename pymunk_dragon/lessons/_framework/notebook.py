@@ -8,7 +8,7 @@ from pymunk_dragon.lessons._framework.lesson import Lesson
 
 
 def make_notebook(lesson: Lesson, language: str = "en") -> str:
-    """A lesson as the JSON text of a notebook: its program in cells, its live scene, its answer folded."""
+    """The JSON text of a notebook: program in cells, live scene, and the answer folded."""
     nbformat = library("nbformat")
     v4 = nbformat.v4
     texts = lesson.sections(language)
@@ -28,7 +28,9 @@ def make_notebook(lesson: Lesson, language: str = "en") -> str:
         closing = [
             f"**{text(name)}**\n\n{texts[name]}" for name in ("Check", "Change") if name in texts
         ]
-        folded = f"<details><summary>{text('Answer')}</summary>\n\n{texts.get('Answer', '')}\n\n</details>"
+        answer = texts.get("Answer", "")
+        summary = f"<summary>{text('Answer')}</summary>"
+        folded = f"<details>{summary}\n\n{answer}\n\n</details>"
         cells.append(v4.new_markdown_cell("\n\n".join([folded, *closing])))
     for number, cell in enumerate(cells):
         cell["id"] = f"{lesson.name}-{number}"

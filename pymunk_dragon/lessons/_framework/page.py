@@ -1,4 +1,4 @@
-"""A page of lessons: one HTML file with stages, texts in all languages, programs and notebooks; it loads nothing."""
+"""A page of lessons: one HTML file with stages, texts in all languages and programs."""
 
 from __future__ import annotations
 
@@ -18,7 +18,9 @@ from pymunk_dragon.lessons._framework.recording import Recording, record
 from pymunk_dragon.web.html import asset, data_address, filled, policy
 from pymunk_dragon.web.page import colour_variables
 
-PAGE, NOTEBOOK, PROGRAM = ".html", ".ipynb", ".py"
+PAGE = ".html"
+NOTEBOOK = ".ipynb"
+PROGRAM = ".py"
 ASSETS = "lessons/_framework/assets"
 MEDIA_TYPES = {
     ".gif": "image/gif",
@@ -34,7 +36,7 @@ STYLES = (f"{ASSETS}/lessons.css", f"{ASSETS}/lab.css")
 
 
 def endings(lessons: Sequence[Lesson]) -> tuple[str, ...]:
-    """Endings of the files that `write_lessons` writes for these lessons: only a page holds several."""
+    """Endings of files that `write_lessons` writes; only a page holds several lessons."""
     return (PAGE, NOTEBOOK, PROGRAM) if len(lessons) == 1 else (PAGE,)
 
 
@@ -105,7 +107,7 @@ def run_page(
 
 
 def make_page(recordings: Sequence[Recording], language: str = "en", *, live: bool = False) -> str:
-    """Lessons that were run as the text of one HTML page, with live scenes if a live server has it."""
+    """HTML of one page of lessons that were run; `live` if a live server has the page."""
     stages = [found.lesson.path.with_suffix(".js") for found in recordings]
     own = [stage.read_text(encoding="utf-8") for stage in stages if stage.exists()]
     *shared, last = (asset("pymunk_dragon", name) for name in SCRIPTS)
@@ -153,7 +155,7 @@ def _values(recording: Recording, live: bool) -> dict[str, Any]:
 
 
 def _stage(lesson: Lesson, live: bool) -> dict[str, Any]:
-    """What the stage of a lesson shows: its own JavaScript, or a live scene, of which a file has the recorded run."""
+    """The stage of a lesson: its own JavaScript, or a live scene; a file has the recorded run."""
     if lesson.path.with_suffix(".js").exists():
         return {"own": True}
     return {"own": False, "scene": lesson.options.get("scene", ""), "recorded": not live}

@@ -22,7 +22,7 @@ MISSING = re.compile(r"ModuleNotFoundError: No module named '(\w+)")
 
 @dataclass(frozen=True)
 class Recording:
-    """A lesson that was run, what its program printed, and the content and ending of its picture, ".png" or ".gif"."""
+    """A lesson that was run, its output, and its picture with the ending, ".png" or ".gif"."""
 
     lesson: Lesson
     printed: str
@@ -31,7 +31,7 @@ class Recording:
 
 
 def run(lesson: Lesson, folder: Path) -> Iterator[str]:
-    """Run the program of a lesson in a folder, where it writes its picture: the lines that it prints."""
+    """Lines that the program of a lesson prints; it writes its picture in `folder`."""
     # Not by its folder on the path: a module of Python could have the name of a lesson.
     command = [sys.executable, "-P", "-u", str(lesson.path)]
     environment = os.environ | {"MPLBACKEND": "agg", "PYTHONIOENCODING": "utf-8"}
@@ -50,17 +50,13 @@ def run(lesson: Lesson, folder: Path) -> Iterator[str]:
         finally:
             process.kill()
     if process.returncode:
-        if (
-            (missing := MISSING.search(errors))
-            and missing[1] in FEATURES
-            and not is_installed(missing[1])
-        ):
+        missing = MISSING.search(errors)
+        if missing and missing[1] in FEATURES and not is_installed(missing[1]):
             raise MissingExtraError("a lesson", "demos")
         if unwritten := re.search(r"OSError: \[Errno \d+\] (.+)", errors):
             raise OutputError("the picture of the lesson", unwritten[1])
-        raise DragonError(
-            f"the program of the lesson {lesson.name!r} failed: {errors.strip().splitlines()[-1]}"
-        )
+        reason = errors.strip().splitlines()[-1]
+        raise DragonError(f"the program of the lesson {lesson.name!r} failed: {reason}")
 
 
 def picture(lesson: Lesson, folder: Path) -> Path:
@@ -96,7 +92,7 @@ def record(lesson: Lesson) -> Recording:
 
 
 def make_folder(path: str | Path) -> Path:
-    """The folder `path`, made if it does not exist; a ParameterError if it cannot be made or written."""
+    """The folder `path`, made if it does not exist; a ParameterError if it cannot be used."""
     instance("save", path, str | Path, "a path")
     try:
         Path(path).mkdir(parents=True, exist_ok=True)

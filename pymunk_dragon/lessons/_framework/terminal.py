@@ -73,7 +73,7 @@ def play(lesson: Lesson, save: str | Path | None = None, *, language: str = "en"
 
 
 def _print_section(heading: str, markdown: str) -> None:
-    """Print a heading, in bold if stdout is a terminal and the environment has no NO_COLOR, and a text below it."""
+    """Print a text below its heading, in bold on a terminal unless NO_COLOR is set."""
     bold = sys.stdout.isatty() and "NO_COLOR" not in os.environ
     print(f"\x1b[1m{heading}\x1b[0m" if bold else heading)
     for paragraph, items in blocks(markdown):
