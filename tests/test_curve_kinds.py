@@ -50,6 +50,14 @@ CORNERS = [
     (21.5, -3),
 ]
 LONGER = Composite([PATH, Line(start=(2, 8), stop=(2, 9))])
+# Rounding puts its last parameter beyond the end of its last piece.
+HAIRPIN = Composite(
+    [
+        Line(stop=(30, 0)),
+        Arc(centre=(30, 2), radius=2, begin_angle=-math.pi / 2, sweep=math.pi),
+        Line(start=(30, 4), stop=(-18, 4)),
+    ]
+)
 
 
 class LogarithmicSpiral(Curve):
@@ -86,6 +94,7 @@ CURVES = [
     Reversed(LINE),
     PATH,
     LONGER,
+    HAIRPIN,
     UTurn(),
     Reversed(UTurn(ratio=0.7)),
     LogarithmicSpiral(),

@@ -24,15 +24,24 @@ _ROUNDING = 1e-10
 
 
 class _Link(NamedTuple):
-    """A piece, and what its coordinates and parameters are above those of the composite."""
+    """A piece, and what its coordinates and parameters are above those of the composite.
+
+    Its parameters are from `first` to `last`.
+    """
 
     curve: Curve
     shift: float
     parameter_shift: float
+    first: float
+    last: float
 
     def on(self, s: Array) -> Array:
         """Coordinates on the piece, clipped to it against rounding."""
         return np.clip(s + self.shift, self.curve.begin_s, self.curve.end_s)
+
+    def at(self, parameter: Array) -> Array:
+        """Parameters of the piece, clipped to it against rounding."""
+        return np.clip(parameter + self.parameter_shift, self.first, self.last)
 
 
 @dataclass(frozen=True)
@@ -77,17 +86,18 @@ class Composite(PackageCurve, kind="composite"):
         first = pieces[0]
         known = [float(end) for end in (first.begin_s, first.end_s) if math.isfinite(end)]
         zero = known[0] if known else 0.0
-        link = _Link(first, zero, 0.0)
+        # Parameters before the whole curve stay there.
+        link = _Link(first, zero, 0.0, -np.inf, _last_parameter(first))
         links = [link]
         joints = []
         parameter_joints = []
         for before, after in pairwise(pieces):
             self._check_joint(len(links), before, after)
             joint = before.end_s - link.shift
-            end = float(before._parameter(np.array(before.end_s)))
-            parameter_joint = end - link.parameter_shift
+            parameter_joint = link.last - link.parameter_shift
             begin = float(after._parameter(np.array(after.begin_s)))
-            link = _Link(after, after.begin_s - joint, begin - parameter_joint)
+            shifts = after.begin_s - joint, begin - parameter_joint
+            link = _Link(after, *shifts, begin, _last_parameter(after))
             joints.append(joint)
             parameter_joints.append(parameter_joint)
             links.append(link)
@@ -159,14 +169,13 @@ class Composite(PackageCurve, kind="composite"):
     def _coordinate(self, parameter: Array) -> Array:
         s = np.empty(parameter.shape)
         for link, here in self._parts(self._parameter_joints, parameter):
-            s[here] = link.curve._coordinate(parameter[here] + link.parameter_shift) - link.shift
+            s[here] = link.curve._coordinate(link.at(parameter[here])) - link.shift
         return s
 
     def _motion(self, parameter: Array) -> tuple[Complex, Complex]:
         points, derivatives = np.empty((2, *parameter.shape), dtype=complex)
         for link, here in self._parts(self._parameter_joints, parameter):
-            own = parameter[here] + link.parameter_shift
-            points[here], derivatives[here] = link.curve._motion(own)
+            points[here], derivatives[here] = link.curve._motion(link.at(parameter[here]))
         return points, derivatives
 
     def _estimate(self, heads: Array, parameters: Array, spacings: Array) -> Array:
@@ -177,6 +186,11 @@ class Composite(PackageCurve, kind="composite"):
         parameters = parameters + first.parameter_shift
         estimate = first.curve._estimate(first.on(heads), parameters, spacings)
         return estimate - first.parameter_shift
+
+
+def _last_parameter(curve: Curve) -> float:
+    """Parameter at the end of a curve."""
+    return float(curve._parameter(np.array(curve.end_s))) if curve.end_s < np.inf else np.inf
 
 
 @dataclass(frozen=True)
