@@ -151,7 +151,7 @@ class March:
 
     def __post_init__(self) -> None:
         instance("dragon", self.dragon, Dragon, "a Dragon")
-        required_curve("curve", self.curve)
+        required_curve(self.curve)
         if not isinstance(self.speed, SpeedTable):
             object.__setattr__(self, "speed", self.speed_profile.speeds[0])
         widest = float(self.dragon.widths.max())

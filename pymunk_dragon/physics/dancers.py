@@ -65,8 +65,8 @@ class Dancers:
         self._top_speed = top_speed
         # The guide's joints of each bench, from bench 1 on.
         self.joints: list[Sequence[pymunk.Constraint]] = []
-        # First bench whose dancers have let go.
-        self._released: int | None = None
+        # First bench whose dancers have let go; the number of benches if none have.
+        self._released = dragon.benches
         self._return_joints: list[pymunk.PivotJoint] = []
         # First bench that the guide does not push.
         self._unpushed = dragon.benches
@@ -76,8 +76,8 @@ class Dancers:
     @property
     def free_from(self) -> int | None:
         """First of the benches that nothing holds on the path; None if all are held."""
-        firsts = [each for each in (self._released, self._guide.free_from) if each is not None]
-        return min(firsts, default=None)
+        first = min(self._released, self._guide.free_from or self._released)
+        return first if first < self._dragon.benches else None
 
     @property
     def returning(self) -> bool:
@@ -88,7 +88,7 @@ class Dancers:
         """Mass of the benches on which the head balances the ground drag, kg."""
         if self.returning or not self._guide.balances_drag:
             return math.fsum(self._masses)
-        first = len(self._masses) if self.free_from is None else self.free_from
+        first = self.free_from or self._dragon.benches
         return math.fsum([self._masses[0], *self._masses[first:]])
 
     def limit(self, forces: Array) -> None:
@@ -104,7 +104,7 @@ class Dancers:
         # slowly.
         for joint in chain.from_iterable(self.joints[bench - 1 :]):
             joint.max_force = 0.0
-        self._released = bench if self._released is None else min(bench, self._released)
+        self._released = min(bench, self._released)
         self._stop_pushing(self._released, drag)
 
     def cut(self, joint: int, drag: float) -> None:
@@ -119,9 +119,8 @@ class Dancers:
 
     def hold(self, bodies: Sequence[pymunk.Body]) -> None:
         """Begin to carry the benches that were let go, over all others, to their exact poses."""
-        if self.returning or self._released is None:
+        if self.returning or self._limits is None:
             return
-        assert self._limits is not None  # Set by `release`.
         half = self._dragon.spacings / 2
         ground = self._space.static_body
         for bench, body in enumerate(bodies[self._released :], start=self._released):
@@ -146,7 +145,6 @@ class Dancers:
         substep : float
             Length of the next step, s.
         """
-        assert self._released is not None  # Benches return only if some were free.
         first = self._released + 1
         # A joint follows a moving target with a delay of this time, so its target is as far ahead:
         # otherwise it would brake the chain, whose tension would tear it apart when these joints
@@ -167,10 +165,9 @@ class Dancers:
         """Have the guide hold all benches again from the exact `states` on."""
         self._stop_carrying()
         self._guide.relocate(states)
-        assert self._released is not None  # Benches return only if some were free.
         for joint in chain.from_iterable(self.joints[self._released - 1 :]):
             joint.max_force = math.inf
-        self._released = None
+        self._released = self._dragon.benches
         cuts = [number for number, pivot in enumerate(self._pivots) if pivot.max_force == 0]
         self._unpushed = cuts[0] + 1 if cuts else self._dragon.benches
 

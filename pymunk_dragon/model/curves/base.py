@@ -304,17 +304,17 @@ class PackageCurve(Curve):
     def _max_curvature(self, lower: Array, upper: Array) -> Array: ...
 
 
-def within_reach(name: str, s: Array) -> Array:
+def within_reach(s: Array) -> Array:
     """`s`, if no number in it is finite and larger than those at which curves have points."""
     far = s[np.isfinite(s) & (np.abs(s) > _FARTHEST_S)]
     if far.size:
-        raise ParameterError(name, far[0].item(), f"at most {_FARTHEST_S:g} m")
+        raise ParameterError("s", far[0].item(), f"at most {_FARTHEST_S:g} m")
     return s
 
 
-def required_curve(name: str, value: object) -> None:
+def required_curve(value: object) -> None:
     """Raise a ParameterError if `value` is no curve."""
-    instance(name, value, Curve, "a Curve")
+    instance("curve", value, Curve, "a Curve")
 
 
 def parameters_of(cls: type[Any]) -> dict[str, bool]:

@@ -61,7 +61,7 @@ def check_curve(curve: Curve, low: float | None = None, high: float | None = Non
     Traceback (most recent call last):
     pymunk_dragon.errors.ParameterError: Shifted.frame(-300) is [..., ...], but must be what ...
     """
-    required_curve("curve", curve)
+    required_curve(curve)
     ends = getattr(curve, "begin_s", None), getattr(curve, "end_s", None)
     begin, end = map(number, ends)
     # The comparison is false for nan.

@@ -84,8 +84,8 @@ class Composite(PackageCurve, kind="composite"):
             raise ParameterError("pieces", self.pieces, "one Curve or more")
 
         first = pieces[0]
-        known = [float(end) for end in (first.begin_s, first.end_s) if math.isfinite(end)]
-        zero = known[0] if known else 0.0
+        known = filter(math.isfinite, (first.begin_s, first.end_s))
+        zero = float(next(known, 0.0))
         # Parameters before the whole curve stay there.
         link = _Link(first, zero, 0.0, -np.inf, _last_parameter(first))
         links = [link]
@@ -218,7 +218,7 @@ class Section(PackageCurve, kind="section"):
     end_s: float
 
     def __post_init__(self) -> None:
-        required_curve("curve", self.curve)
+        required_curve(self.curve)
         first, last = self.curve.begin_s, self.curve.end_s
         begin, end = number(self.begin_s), number(self.end_s)
         # The comparisons are false for nan.
@@ -276,7 +276,7 @@ class Reversed(PackageCurve, kind="reversed"):
     curve: Curve
 
     def __post_init__(self) -> None:
-        required_curve("curve", self.curve)
+        required_curve(self.curve)
         self._set(begin_s=-self.curve.end_s, end_s=-self.curve.begin_s)
 
     def _frame(self, s: Array) -> tuple[Array, Array]:

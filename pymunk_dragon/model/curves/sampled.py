@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cache
+from math import comb
 from pathlib import Path
 from typing import Self
 
@@ -52,18 +53,6 @@ _SEEN = (0.0, 0.5, 1.0)
 _ROUNDING = 1e-9
 # Times that a cell is halved. A path that needs more has a cusp; others need fewer than ten.
 _MAX_HALVINGS = 40
-# From the powers of a polynomial on [0, 1] to its Bernstein coefficients, between which all its
-# values lie.
-_BERNSTEIN_2 = np.array([[1, 0, 0], [1, 1 / 2, 0], [1, 1, 1]])
-_BERNSTEIN_4 = np.array(
-    [
-        [1, 0, 0, 0, 0],
-        [1, 1 / 4, 0, 0, 0],
-        [1, 1 / 2, 1 / 6, 0, 0],
-        [1, 3 / 4, 1 / 2, 1 / 4, 0],
-        [1, 1, 1, 1, 1],
-    ]
-)
 
 
 @dataclass(frozen=True, eq=False)
@@ -229,11 +218,20 @@ def _bounds(cubics: Complex) -> tuple[Array, Array]:
     c = two.conj() * three
     ones, twos, threes = (np.square(np.abs(each)) for each in (one, two, three))
     squares = np.stack([ones, 2 * a.real, twos + 2 * b.real, 2 * c.real, threes])
-    slowest = np.sqrt(np.maximum((_BERNSTEIN_4 @ squares).min(axis=0), 0.0))
+    slowest = np.sqrt(np.maximum((_bernstein(4) @ squares).min(axis=0), 0.0))
 
     turning = np.stack([a.imag, 2 * b.imag, c.imag])
     with np.errstate(divide="ignore", invalid="ignore"):
-        return slowest, np.abs(_BERNSTEIN_2 @ turning).max(axis=0) / slowest**3
+        return slowest, np.abs(_bernstein(2) @ turning).max(axis=0) / slowest**3
+
+
+def _bernstein(degree: int) -> Array:
+    """Matrix from the powers of a polynomial on [0, 1] to its Bernstein coefficients.
+
+    All its values lie between these.
+    """
+    powers = range(degree + 1)
+    return np.array([[comb(i, k) / comb(degree, k) for k in powers] for i in powers])
 
 
 def _halved(cubics: Complex) -> Complex:

@@ -99,7 +99,7 @@ class Spiral(PackageCurve, kind="spiral"):
 
         It is nan beyond the centre.
         """
-        length = np.atleast_1d(self._sign * within_reach("s", numbers("s", s)))
+        length = np.atleast_1d(self._sign * within_reach(numbers("s", s)))
         # Twice the arc length over k: theta sqrt(theta^2 + 1) + arcsinh theta (eq. 3-5).
         target = np.maximum(length, 0.0) * (2 / self.k)
         # The asymptotic form theta^2 = target - log(4 theta^2) / 2 - 1 / 2 - ..., or the tangent at
