@@ -34,8 +34,6 @@ from pymunk_dragon.collision.result import FirstContact, NearMiss, Status
 from pymunk_dragon.collision.sat import deepest_overlap, separation
 from pymunk_dragon.model.march import March, checked_times
 
-__all__ = ["first_contact"]
-
 # The tolerances. m of the head's distance: an interval no longer than this is decided by the state
 # at its midpoint, because coordinates are no more exact.
 _RESOLUTION = 1e-12

@@ -23,8 +23,6 @@ from pymunk_dragon.collision.sat import coordinates
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March, check_march
 
-__all__ = ["Grid"]
-
 _Cells = NDArray[np.intp]
 
 # m. Least and largest pitch of a spiral, to which the paper ties the cell.

@@ -9,8 +9,6 @@ from pymunk_dragon._language import text
 from pymunk_dragon.model._display import TextResult
 from pymunk_dragon.model.contact import Contact, contact_text
 
-__all__ = ["FirstContact", "NearMiss"]
-
 Status = Literal["contact", "clear", "overlapping", "unreachable"]
 
 # m. Resolution above which the text of a result names it.

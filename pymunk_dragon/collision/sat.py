@@ -24,8 +24,6 @@ from pymunk_dragon._arrays import Array, Complex, Indices, as_complex, as_vector
 from pymunk_dragon._checks import MAX_COORDINATE, numbers
 from pymunk_dragon.errors import ParameterError
 
-__all__ = ["Separation", "separation"]
-
 # Pairs worked on at once: their temporaries, about 0.7 kB a pair, stay in a processor's second
 # cache.
 _CHUNK = 2048

@@ -19,8 +19,6 @@ from pymunk_dragon.collision.sat import deepest_overlap
 from pymunk_dragon.errors import ParameterError, UnreachableError
 from pymunk_dragon.model.march import March, checked_times
 
-__all__ = ["scan"]
-
 # s. Length of the interval that bisection ends with: a head at 1 m/s moves by a micrometre in it.
 _TOLERANCE = 1e-6
 # Samples computed together.

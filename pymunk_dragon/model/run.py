@@ -418,23 +418,20 @@ def versions() -> dict[str, str]:
 
 def _attributes(provenance: Mapping[str, Any], march: March, start: float) -> dict[str, Any]:
     """Attributes of a run from its `provenance`; `start` is the time of its first frame, s."""
+    names = "player", "guide", "free_from", "substeps", "versions"
+    given = {name: provenance.get(name) for name in names}
     for name in ("player", "guide"):
-        instance(name, provenance.get(name), str | NoneType, "a text")
-    instance("versions", provenance.get("versions"), Mapping | NoneType, "a mapping")
+        instance(name, given[name], str | NoneType, "a text")
+    instance("versions", given["versions"], Mapping | NoneType, "a mapping")
+    ranges = {"substeps": (0, sys.maxsize), "free_from": (1, march.dragon.benches - 1)}
+    for name, bounds in ranges.items():
+        if given[name] is not None:
+            whole(name, given[name], *bounds)
 
-    substeps = provenance.get("substeps")
-    if substeps is not None:
-        whole("substeps", substeps, 0, sys.maxsize)
-    free_from = provenance.get("free_from")
-    if free_from is not None:
-        whole("free_from", free_from, 1, march.dragon.benches - 1)
-
-    names = provenance.keys() & {each.name for each in fields(EngineSettings)}
-    settings = EngineSettings(**{name: provenance[name] for name in names}) if names else None
+    known = provenance.keys() & {each.name for each in fields(EngineSettings)}
+    settings = EngineSettings(**{name: provenance[name] for name in known}) if known else None
     start = finite("start", provenance.get("start", start), -math.inf, math.inf, "s")
-    given = {name: provenance.get(name) for name in ("player", "guide", "free_from", "substeps")}
-    given["versions"] = provenance.get("versions") or {}
-    return {**given, "settings": settings, "start": start}
+    return given | {"versions": given["versions"] or {}, "settings": settings, "start": start}
 
 
 def _differences(times: Array, poses: Array) -> Array:
@@ -445,11 +442,9 @@ def _differences(times: Array, poses: Array) -> Array:
     if times.size < 2 or len(poses) != len(times):
         return np.zeros_like(poses)
     kept = [0]
-    last = float(times[0])
     for frame, time in enumerate(times.tolist()):
-        if time - last >= _LEAST_DIFFERENCE:
+        if time - times[kept[-1]] >= _LEAST_DIFFERENCE:
             kept.append(frame)
-            last = time
     if len(kept) == 1:
         # All of a very short run.
         kept.append(times.size - 1)

@@ -13,9 +13,9 @@ from pymunk_dragon._arrays import Array
 
 # Fields of all bodies that are read after a step or written before it. They are combined here, as
 # that takes microseconds.
-_POSES = BodyFields.POSITION | BodyFields.ANGLE
-_VELOCITIES = BodyFields.VELOCITY | BodyFields.ANGULAR_VELOCITY
-_POSES_AND_FORCES = _POSES | BodyFields.FORCE | BodyFields.TORQUE
+POSES = BodyFields.POSITION | BodyFields.ANGLE
+VELOCITIES = BodyFields.VELOCITY | BodyFields.ANGULAR_VELOCITY
+_POSES_AND_FORCES = POSES | BodyFields.FORCE | BodyFields.TORQUE
 
 
 class Buffers:
@@ -72,16 +72,8 @@ class Buffers:
         self.anchors = np.zeros((len(anchors), 2))
         self._anchor_outbox.set_float_buf(self.anchors)
 
-    def read_poses(self) -> Array:
-        """Poses (N, 3) of the benches in the space: m, m, rad."""
-        return self._read(_POSES)
-
-    def read_velocities(self) -> Array:
-        """Velocities (N, 3) of the benches in the space: m/s, m/s, rad/s."""
-        return self._read(_VELOCITIES)
-
-    def _read(self, fields: BodyFields) -> Array:
-        """Three fields (N, 3) of the benches.
+    def read(self, fields: BodyFields) -> Array:
+        """`POSES` or `VELOCITIES` (N, 3) of the benches in the space: m, m, rad and per s.
 
         More fields are read separately, as NumPy is slow on parts of rows.
         """

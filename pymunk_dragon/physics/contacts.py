@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
+from statistics import fmean
 from time import perf_counter
 from typing import Any, get_args
 
@@ -136,10 +137,10 @@ class Recorder:
         if phase == "pre_solve":
             self._earlier[benches] = arbiter.total_impulse
         elif phase == "post_solve":
-            impulse = self._impulse(arbiter, benches, swapped)
+            earlier = self._earlier.get(benches, pymunk.Vec2d.zero())
+            impulse = _signed(impulse_of(arbiter, earlier, 1.0), not swapped)
 
-        x = sum(point[0] for point in points) / len(points)
-        y = sum(point[1] for point in points) / len(points)
+        x, y = map(fmean, zip(*points, strict=True))
         of_first, of_second = (
             self._world.bodies[bench].velocity_at_world_point((x, y)) for bench in (first, second)
         )
@@ -169,11 +170,6 @@ class Recorder:
             if phase != "begin":
                 self.events.append(replace(event, phase="begin"))
         self.events.append(event)
-
-    def _impulse(self, arbiter: pymunk.Arbiter, benches: tuple[int, int], swapped: bool) -> _Vector:
-        """Impulse on the second bench of a pair in this substep, N s."""
-        on_first = impulse_of(arbiter, self._earlier.get(benches, pymunk.Vec2d.zero()), 1.0)
-        return _signed(on_first, not swapped)
 
 
 def _manifold(

@@ -270,7 +270,6 @@ def _provenance(world: World, until: float, substeps: int) -> dict[str, Any]:
 
 def _guide_name(guide: PathGuide) -> str:
     """Name under which a guide is registered, otherwise that of its class."""
-    for name, kind in GUIDES.items():
-        if kind is type(guide):
-            return name
-    return type(guide).__name__
+    kind = type(guide)
+    names = {each: name for name, each in GUIDES.items()}
+    return names.get(kind, kind.__name__)

@@ -65,15 +65,17 @@ class Motion(NamedTuple):
         def separated(share: float) -> Separation:
             return separation(*outlines(self.poses(share)[pair], *sizes))
 
-        at_begin = separated(0.0)
-        at_end = separated(1.0)
-        if at_begin.distance > 0 and at_end.distance > 0:
+        touching = 0.0
+        found = separated(touching)
+        if found.distance > 0:
+            touching = 1.0
+            found = separated(touching)
+        if found.distance > 0:
             return contact
 
         # Halve the interval between a share at which the benches are apart and one at which they
         # touch; it is empty if they touch at the start.
         apart = 0.0
-        touching, found = (0.0, at_begin) if at_begin.distance <= 0 else (1.0, at_end)
         for _ in range(_BISECTIONS):
             middle = (apart + touching) / 2
             halfway = separated(middle)

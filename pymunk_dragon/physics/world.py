@@ -17,7 +17,7 @@ from pymunk_dragon.errors import ParameterError, UnreachableError
 from pymunk_dragon.model.march import March, States, check_march
 from pymunk_dragon.model.settings import EngineSettings
 from pymunk_dragon.model.speed import MAX_TIME
-from pymunk_dragon.physics.buffers import Buffers
+from pymunk_dragon.physics.buffers import POSES, VELOCITIES, Buffers
 from pymunk_dragon.physics.dancers import Dancers
 from pymunk_dragon.physics.guide import GUIDES, PathGuide
 from pymunk_dragon.physics.readings import JointForces
@@ -202,9 +202,8 @@ class World:
         """
         pulled = self._dancers.pulled_mass()
         self.settings = self._given.resolved(top_speed=self.top_speed, pulled_mass=pulled)
-        assert self.settings.substep is not None  # Set by `resolved`.
         assert self.settings.iterations is not None  # Set by `resolved`.
-        self.substep = next_length(self.space.current_time_step, self.settings.substep)
+        self._choose_substep()
         self.space.iterations = self.settings.iterations
         self.drag_rate = self.settings.drag * self.top_speed
         self.space.damping = math.exp(-self.drag_rate)
@@ -213,6 +212,11 @@ class World:
             pull.max_force = self.settings.head_force or 0.0
             # The torque is the force at half the length of the head.
             turn.max_force = float(self.march.dragon.lengths[0]) / 2 * pull.max_force
+
+    def _choose_substep(self) -> None:
+        """Set the length of the next step, which approaches that of the settings."""
+        assert self.settings.substep is not None  # Set by `resolved`.
+        self.substep = next_length(self.space.current_time_step, self.settings.substep)
 
     def _add_bodies(self) -> None:
         """Add the bodies: the head is the control body, or has motors of finite force to it."""
@@ -271,8 +275,8 @@ class World:
 
     def read(self) -> None:
         """Take `poses` and `velocities` from the space."""
-        self.collided_poses = self._buffers.read_poses()
-        velocities = self._buffers.read_velocities()
+        self.collided_poses = self._buffers.read(POSES)
+        velocities = self._buffers.read(VELOCITIES)
         before = self._shift
         self._shift = self.substep / 2 * (velocities - self.velocities)
         self.velocities = velocities
@@ -282,9 +286,7 @@ class World:
             # The head has its exact pose.
             correction[0] = 0.0
             self.poses = self.collided_poses + correction
-
-        assert self.settings.substep is not None  # Set by `resolved`.
-        self.substep = next_length(self.space.current_time_step, self.settings.substep)
+        self._choose_substep()
 
     def prepare(self, states: States, row: int = 0, share: float = 1.0) -> None:
         """Make the next step end with the head in the state at time number `row` of `states`.
