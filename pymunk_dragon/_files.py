@@ -32,7 +32,7 @@ def check_destination(path: str | Path, endings: Iterable[str]) -> Path:
         TemporaryFile(dir=_folder_of(destination)).close()
         unnamed = len(known) == 1 and _is_stream(destination)
     except (OSError, ValueError) as error:
-        bound = f"in a folder that can be written ({_reason(error)})"
+        bound = f"in a folder that can be written ({reason(error)})"
         raise ParameterError("output", str(destination), bound) from error
 
     if destination.is_dir():
@@ -68,7 +68,7 @@ def written_in_place(path: str | Path) -> Iterator[Path]:
     except OutputError:
         raise
     except OSError as error:
-        raise OutputError(destination, _reason(error)) from error
+        raise OutputError(destination, reason(error)) from error
     finally:
         shutil.rmtree(folder, ignore_errors=True)
 
@@ -99,7 +99,7 @@ def read_text(path: str | Path, name: str, limit: int = _MAX_TEXT) -> str:
             # Not the size of the file: devices have none, and may be endless.
             content = file.read(limit + 1)
     except (OSError, ValueError, TypeError) as error:
-        raise ParameterError(name, str(path), f"a readable file ({_reason(error)})") from error
+        raise ParameterError(name, str(path), f"a readable file ({reason(error)})") from error
     if len(content) > limit:
         raise FileFormatError(path, f"larger than {limit / 1e6:g} MB")
     try:
@@ -155,6 +155,6 @@ def _is_stream(path: Path) -> bool:
         return False
 
 
-def _reason(error: Exception) -> str:
+def reason(error: Exception) -> str:
     """The system's text of an OSError; that of any other error."""
     return (isinstance(error, OSError) and error.strerror) or str(error)

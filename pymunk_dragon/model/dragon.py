@@ -163,7 +163,7 @@ class Dragon:
         """Front and rear hole, each (..., N, 2) in m, of the benches at `poses` (..., N, 3)."""
         pose = self._poses("poses", poses, self.benches)
         centres = as_complex(pose[..., :2])
-        half = self.spacings / 2 * _headings(pose)
+        half = self.spacings / 2 * headings(pose)
         return as_vectors(centres + half), as_vectors(centres - half)
 
     def hole_velocities(self, poses: ArrayLike, velocities: ArrayLike) -> tuple[Array, Array]:
@@ -171,7 +171,7 @@ class Dragon:
         rates = self._poses("velocities", velocities, self.benches)
         pose = self._poses("poses", poses, self.benches)
         fitting("poses and velocities", pose.shape, rates.shape)
-        half = self.spacings / 2 * _headings(pose)
+        half = self.spacings / 2 * headings(pose)
         centres = as_complex(rates[..., :2])
         turning = 1j * rates[..., 2] * half
         return as_vectors(centres + turning), as_vectors(centres - turning)
@@ -228,14 +228,14 @@ def outlines(poses: ArrayLike, lengths: ArrayLike, width: ArrayLike) -> Array:
 
 def rectangles(poses: Array, lengths: Array, widths: Array) -> Array:
     """Corners as `outlines` has them, without checks: a short side may be negative."""
-    along = _headings(poses) * lengths / 2
+    along = headings(poses) * lengths / 2
     left = along * (1j * widths / lengths)
     return as_vectors(_rectangles(as_complex(poses[..., :2]), along, left))
 
 
 def pose_step(before: Array, after: Array) -> Array:
     """Change (..., 3) from one pose to another, with the angle's from -pi to pi."""
-    step: Array = numbers("after", after, 3) - numbers("before", before, 3)
+    step = after - before
     step[..., 2] = (step[..., 2] + np.pi) % (2 * np.pi) - np.pi
     return step
 
@@ -258,10 +258,10 @@ def _sizes(name: str, value: Any, count: int) -> _Sizes:
     return tuple(finite(f"{name}[{i}]", size, *_LENGTHS, "m") for i, size in sizes)
 
 
-def _headings(poses: Array) -> Complex:
+def headings(poses: Array) -> Complex:
     """Unit vectors (...) along the benches at poses (..., 3)."""
-    headings: Complex = np.cos(poses[..., 2]) + 1j * np.sin(poses[..., 2])
-    return headings
+    vectors: Complex = np.cos(poses[..., 2]) + 1j * np.sin(poses[..., 2])
+    return vectors
 
 
 def _rectangles(centres: Complex, along: Complex, left: Complex) -> Complex:

@@ -24,7 +24,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from pymunk_dragon._arrays import Array, ArrayRecord, read_only
 from pymunk_dragon._checks import MAX_COORDINATE, finite, instance, instances, numbers, whole, word
-from pymunk_dragon._files import check_destination, written_in_place
+from pymunk_dragon._files import check_destination, reason, written_in_place
 from pymunk_dragon._language import text
 from pymunk_dragon.errors import DragonError, FileFormatError, ParameterError
 from pymunk_dragon.model.contact import (
@@ -387,8 +387,7 @@ def _opened(path: str | Path) -> Iterator[tuple[dict[str, Any], Mapping[str, NDA
     try:
         file = Path(path).open("rb")  # noqa: SIM115 (closed below, where the content is wrong)
     except (OSError, ValueError, TypeError) as error:
-        reason = (isinstance(error, OSError) and error.strerror) or error
-        raise ParameterError("run", str(path), f"a readable file ({reason})") from error
+        raise ParameterError("run", str(path), f"a readable file ({reason(error)})") from error
     try:
         # Of a pipe, whose end may never come, no more than a run can hold.
         content = file if file.seekable() else io.BytesIO(file.read(_MAX_UNPACKED))

@@ -87,12 +87,9 @@ default force is twice the ground drag on the head. From the first contact to 10
 """
 
 from pymunk_dragon.model.settings import EngineSettings
-from pymunk_dragon.physics.guide import GUIDES, NoGuide, PathGuide
+from pymunk_dragon.physics.guide import PathGuide
 from pymunk_dragon.physics.rails import Rails
 from pymunk_dragon.physics.simulation import simulate
-from pymunk_dragon.physics.world import World
-
-GUIDES["rails"] = Rails
-GUIDES["none"] = NoGuide
+from pymunk_dragon.physics.world import GUIDES, World
 
 __all__ = ["GUIDES", "EngineSettings", "PathGuide", "Rails", "World", "simulate"]

@@ -25,7 +25,7 @@ class PathGuide:
     """Base class of guides, which hold benches on the path by joints, by forces, or by both.
 
     A subclass overrides what it needs; an instance of it is given to `simulate(guide=...)`.
-    `GUIDES` holds those that have a name.
+    `GUIDES` in `world.py` holds those that have a name.
 
     Attributes
     ----------
@@ -102,7 +102,3 @@ class NoGuide(PathGuide):
     """The guide "none": the head pulls, and the other benches have only their joints."""
 
     free_from = 1
-
-
-# Guides that have a name, as in `simulate(guide=...)`; `physics/__init__.py` lists them.
-GUIDES: dict[str, type[PathGuide]] = {}

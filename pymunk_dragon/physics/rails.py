@@ -8,7 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 import pymunk
 
-from pymunk_dragon._arrays import Array, Complex, as_vectors
+from pymunk_dragon._arrays import Array, Complex, as_complex, as_vectors
+from pymunk_dragon.model.dragon import headings
 from pymunk_dragon.model.march import States
 from pymunk_dragon.physics.guide import GuidedWorld, PathGuide
 
@@ -38,9 +39,8 @@ class Rails(PathGuide):
         self.anchors = [pymunk.Body(body_type=pymunk.Body.KINEMATIC) for _ in spacings]
         self._inertia = np.array([world.masses[1:], world.moments[1:]])
         self._over_spacings = 1 / spacings
-        # From the rear hole to the centre, along the bench, m; complex, as NumPy converts real
-        # factors at every call.
-        self._half = (spacings / 2).astype(complex)
+        # From the rear hole to the centre, along the bench, m.
+        self._half = spacings / 2
 
     def relocate(self, states: States) -> None:
         """Take coordinates and speeds of the rear holes from `states`."""
@@ -54,7 +54,7 @@ class Rails(PathGuide):
 
     def joints(self, bench: int, body: pymunk.Body) -> Sequence[pymunk.Constraint]:
         """Pin from the rear hole to its anchor."""
-        hole = -float(self._half[bench - 1].real)
+        hole = -float(self._half[bench - 1])
         pin = pymunk.PinJoint(body, self.anchors[bench - 1], (hole, 0.0), (0.0, 0.0))
         pin.distance = _PIN_LENGTH
         return (pin,)
@@ -63,33 +63,31 @@ class Rails(PathGuide):
         """Write the anchors beside the holes, and the dancers' forces and torques."""
         substep = self._world.substep
 
-        headings = np.empty(len(self.anchors), dtype=complex)
-        np.cos(poses[1:, 2], out=headings.real)
-        np.sin(poses[1:, 2], out=headings.imag)
-        holes = _complex(poses[1:, :2]) - headings * self._half
+        along = headings(poses[1:])
+        holes = as_complex(poses[1:, :2]) - along * self._half
 
         expected = self._rear_s + self._rear_speeds * substep
         self._rear_s, feet, directions = self._curve.foot(as_vectors(holes), expected)
-        tangents = _complex(directions)
-        np.add(tangents * (_PIN_LENGTH * 1j), _complex(feet), out=_complex(anchors))
+        tangents = as_complex(directions)
+        anchors[:] = as_vectors(as_complex(feet) + tangents * (_PIN_LENGTH * 1j))
 
-        motion = self._motion(complex(*hinge_velocity), headings, tangents)
+        motion = self._motion(complex(*hinge_velocity), along, tangents)
         # What a bench gains, or loses to the drag, in this substep.
         last = motion if self._last_motion is None else self._last_motion
         kept = math.exp(-self._world.drag_rate * substep)
         change = motion - last * kept
         push, torque = change * self._inertia / substep
-        np.multiply(headings, push, out=_complex(forces[1:, :2]))
+        forces[1:, :2] = as_vectors(along * push)
         forces[1:, 2] = torque
         self._last_motion = motion
 
-    def _motion(self, hinge_velocity: complex, headings: Complex, tangents: Complex) -> Array:
+    def _motion(self, hinge_velocity: complex, along: Complex, tangents: Complex) -> Array:
         """Speeds of the benches along themselves, m/s, and their angular rates, rad/s, (2, N - 1).
 
         Each bench's front hole moves with the rear hole of the bench before, the first one's with
         the head's, and its rear hole moves along the path.
         """
-        facing = headings.conj()
+        facing = along.conj()
         rear = tangents * facing
         front = np.empty_like(facing)
         front[0] = hinge_velocity * facing[0]
@@ -99,8 +97,3 @@ class Rails(PathGuide):
         front[1:] *= self._rear_speeds[:-1]
         across = front.imag - self._rear_speeds * rear.imag
         return np.array([front.real, across * self._over_spacings])
-
-
-def _complex(vectors: Array) -> Complex:
-    """Vectors (N, 2) as complex numbers (N,) in the same memory."""
-    return vectors.view(complex)[:, 0]

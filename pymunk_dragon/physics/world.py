@@ -19,10 +19,14 @@ from pymunk_dragon.model.settings import EngineSettings
 from pymunk_dragon.model.speed import MAX_TIME
 from pymunk_dragon.physics.buffers import POSES, VELOCITIES, Buffers
 from pymunk_dragon.physics.dancers import Dancers
-from pymunk_dragon.physics.guide import GUIDES, PathGuide
+from pymunk_dragon.physics.guide import NoGuide, PathGuide
+from pymunk_dragon.physics.rails import Rails
 from pymunk_dragon.physics.readings import JointForces
 from pymunk_dragon.physics.substep import next_length
 from pymunk_dragon.physics.warm_start import set_impulses
+
+# Guides that have a name, as in `simulate(guide=...)`.
+GUIDES: dict[str, type[PathGuide]] = {"rails": Rails, "none": NoGuide}
 
 # kg/m^2: planks of pine, 4 cm thick. All benches have it, so it only scales impulses.
 _AREA_DENSITY = 20.0
