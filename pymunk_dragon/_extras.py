@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from importlib import import_module
 from importlib.util import find_spec
 from typing import Any
@@ -43,11 +42,7 @@ def library(name: str) -> Any:
 
 def is_installed(name: str) -> bool:
     """Whether Python finds the library of a module, which is not imported."""
-    package = name.partition(".")[0]
-    if package in sys.modules:
-        # None keeps a library from being imported.
-        return sys.modules[package] is not None
-    return find_spec(package) is not None
+    return find_spec(name.partition(".")[0]) is not None
 
 
 def missing_extra(name: str) -> MissingExtraError:

@@ -303,7 +303,6 @@ class Run(ArrayRecord):
         # A run of one frame has no time between two.
         divisor = np.where(h > 0, h, 1.0)
         s = (t - times[before])[:, None, None] / divisor
-        s = np.clip(s, 0.0, 1.0)
 
         start = self.poses[before]
         step = pose_step(start, self.poses[after])

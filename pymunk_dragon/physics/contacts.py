@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import threading
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
@@ -127,7 +127,7 @@ class Recorder:
             return
 
         points, normal, depth = _manifold(arbiter.contact_point_set, swapped)
-        false = (not known or depth > self._narrowest) and _apart(arbiter.shapes)
+        false = (not known or depth > self._narrowest) and self._apart(benches)
         if phase != "post_solve":
             arbiter.process_collision = not (false or self._world.settings.contacts == "report")
         if false:
@@ -171,6 +171,15 @@ class Recorder:
                 self.events.append(replace(event, phase="begin"))
         self.events.append(event)
 
+    def _apart(self, benches: tuple[int, int]) -> bool:
+        """Whether two benches are apart."""
+        outlines = []
+        for bench in benches:
+            body = self._world.bodies[bench]
+            corners = self._world.shapes[bench].get_vertices()
+            outlines.append(list(map(body.local_to_world, corners)))
+        return bool(separation(*outlines).distance > 0)
+
 
 def _manifold(
     contact: pymunk.ContactPointSet, swapped: bool
@@ -182,17 +191,6 @@ def _manifold(
         x, y = (point.point_a + point.point_b) / 2
         points.append((x, y))
     return tuple(points), _signed(contact.normal, swapped), -ordered[0].distance
-
-
-def _apart(shapes: Iterable[pymunk.Shape]) -> bool:
-    """Whether two rectangles of a space are apart."""
-    outlines = []
-    for shape in shapes:
-        # All shapes of a world are polygons with a body.
-        assert isinstance(shape, pymunk.Poly)
-        assert shape.body is not None
-        outlines.append([shape.body.local_to_world(corner) for corner in shape.get_vertices()])
-    return bool(separation(*outlines).distance > 0)
 
 
 def _signed(vector: pymunk.Vec2d, swapped: bool) -> _Vector:

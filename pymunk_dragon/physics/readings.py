@@ -312,12 +312,14 @@ class Contacts:
         for earlier, earlier_flags in reversed(self._before):
             if not wanted.any():
                 break
-            place, found = _matches(flags, earlier_flags)
-            found &= wanted
-            before = _vectors(earlier, earlier_flags)[place[found]]
+            found, place = _common(flags, earlier_flags)
+            known = wanted[found]
+            found = found[known]
+            before = _vectors(earlier, earlier_flags)[place[known]]
             vectors[found] += (shares[found, None] - 1) * before
             # Pairs that go on are those of the step before.
-            wanted &= begins & ~found
+            wanted &= begins
+            wanted[found] = False
         return np.asarray(np.hypot(*vectors.T))
 
 
@@ -327,16 +329,13 @@ def _vectors(pairs: Array, flags: Any) -> Array:
     return signs * pairs[:, :2]
 
 
-def _matches(flags: Any, earlier: Any) -> tuple[Any, Any]:
-    """Where pairs (P,) are among earlier ones, and whether they are."""
+def _common(flags: Any, earlier: Any) -> tuple[Any, Any]:
+    """Indices of the pairs that are among earlier ones, and where they are there."""
     # Numbers of bodies are pointers, of which no two fit into one number.
     bodies = np.sort(np.append(flags[:, :2], earlier[:, :2]))
     codes = _codes(flags, bodies)
-    known = _codes(earlier, bodies)
-    order = np.append(np.argsort(known), 0)
-    place = order[np.searchsorted(known, codes, sorter=order[:-1])]
-    nearest = np.append(known, np.nan)[place if len(known) else -1]
-    return place, nearest == codes
+    _, found, place = np.intersect1d(codes, _codes(earlier, bodies), return_indices=True)
+    return found, place
 
 
 def _codes(flags: Any, bodies: Any) -> Array:
