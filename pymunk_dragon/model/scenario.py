@@ -242,9 +242,9 @@ def _tables(march: March) -> dict[str, Any]:
     for name in ("turns", "start_s"):
         if getattr(march, name) is not None:
             tables[name] = getattr(march, name)
-    speed = march.speed
+    speed: Any = march.speed
     if isinstance(speed, SpeedTable):
-        return tables | {"speed": tuple(zip(speed.times, speed.speeds, strict=True))}
+        speed = tuple(zip(speed.times, speed.speeds, strict=True))
     return tables | {"speed": speed}
 
 

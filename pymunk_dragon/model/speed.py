@@ -56,9 +56,10 @@ class SpeedTable:
     def __post_init__(self) -> None:
         limits = {"times": (-MAX_TIME, MAX_TIME, "s"), "speeds": (MIN_SPEED, MAX_SPEED, "m/s")}
         for name, bounds in limits.items():
-            values = numbers(name, getattr(self, name))
+            given = getattr(self, name)
+            values = numbers(name, given)
             if values.ndim != 1 or not values.size:
-                raise ParameterError(name, getattr(self, name), "a sequence of at least one number")
+                raise ParameterError(name, given, "a sequence of at least one number")
             entries = enumerate(values.tolist())
             checked = (finite(f"{name}[{i}]", value, *bounds) for i, value in entries)
             object.__setattr__(self, name, tuple(checked))

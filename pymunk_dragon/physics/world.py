@@ -12,9 +12,9 @@ import numpy as np
 import pymunk
 
 from pymunk_dragon._arrays import Array
-from pymunk_dragon._checks import finite, flag, instance, whole, word
-from pymunk_dragon.errors import ParameterError, UnreachableError
-from pymunk_dragon.model.march import March, States, check_march
+from pymunk_dragon._checks import finite, flag, instance, instances, whole, word
+from pymunk_dragon.errors import UnreachableError
+from pymunk_dragon.model.march import March, States, check_march, checked_times
 from pymunk_dragon.model.settings import EngineSettings
 from pymunk_dragon.model.speed import MAX_TIME
 from pymunk_dragon.physics.buffers import POSES, VELOCITIES, Buffers
@@ -140,8 +140,8 @@ class World:
         settings = EngineSettings() if settings is None else settings
         instance("settings", settings, EngineSettings, "an EngineSettings")
         start = finite("start", start, -MAX_TIME, MAX_TIME, "s")
-        if until is not None and finite("until", until, -MAX_TIME, MAX_TIME, "s") <= start:
-            raise ParameterError("until", until, f"later than the start, {start:g} s")
+        if until is not None:
+            checked_times(march, start, until)
 
         self.march = march
         self.start = start
@@ -485,6 +485,5 @@ def _check_free_from(guide: PathGuide, march: March) -> None:
 
 def _check_parts(guide: PathGuide, member: str, value: object, kind: type) -> None:
     """Raise a ParameterError if a guide's `member` is no list or tuple of objects of the `kind`."""
-    if not isinstance(value, list | tuple) or not all(isinstance(part, kind) for part in value):
-        name = f"{type(guide).__name__}.{member}"
-        raise ParameterError(name, value, f"a list or tuple of pymunk.{kind.__name__}")
+    name = f"{type(guide).__name__}.{member}"
+    instances(name, value, kind, f"a list or tuple of pymunk.{kind.__name__}")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any, NamedTuple
@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pymunk_dragon._arrays import Array, Complex, as_complex
-from pymunk_dragon._checks import number
+from pymunk_dragon._checks import instances, number
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.curves.base import Curve, PackageCurve, required_curve
 
@@ -78,10 +78,10 @@ class Composite(PackageCurve, kind="composite"):
     _links: tuple[_Link, ...] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        given: object = self.pieces
-        pieces: tuple[Curve, ...] = tuple(given) if isinstance(given, Sequence) else ()
-        if not pieces or not all(isinstance(piece, Curve) for piece in pieces):
-            raise ParameterError("pieces", self.pieces, "one Curve or more")
+        bound = "one Curve or more"
+        pieces: tuple[Curve, ...] = instances("pieces", self.pieces, Curve, bound)
+        if not pieces:
+            raise ParameterError("pieces", self.pieces, bound)
 
         first = pieces[0]
         known = filter(math.isfinite, (first.begin_s, first.end_s))
