@@ -86,7 +86,7 @@ class Composite(PackageCurve, kind="composite"):
         first = pieces[0]
         known = filter(math.isfinite, (first.begin_s, first.end_s))
         zero = float(next(known, 0.0))
-        # Parameters before the whole curve stay there.
+        # What lies before the begin of the whole curve is not clipped to it.
         link = _Link(first, zero, 0.0, -np.inf, _last_parameter(first))
         links = [link]
         joints = []

@@ -126,8 +126,7 @@ class Sampled(ArrayRecord, PackageCurve, kind="sampled"):
         velocity = _velocity(cubics, w)
         points = zero + w * (one + w * (two + w * three))
         tangents = velocity * (1 / np.abs(velocity))
-        shape = (*s.shape, 2)
-        return as_vectors(points).reshape(shape), as_vectors(tangents).reshape(shape)
+        return as_vectors(points.reshape(s.shape)), as_vectors(tangents.reshape(s.shape))
 
     def _curvature(self, s: Array) -> Array:
         return _curvature(*self._located(s)).reshape(s.shape)
