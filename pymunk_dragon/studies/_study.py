@@ -31,12 +31,10 @@ def checked_dragon(dragon: Dragon | None) -> Dragon:
     return Dragon() if dragon is None else instance("dragon", dragon, Dragon, "a Dragon")
 
 
-def labelled(label: str, lines: str) -> list[str]:
+def labelled(label: str, lines: str) -> str:
     """Lines of a text beside a label."""
-    first, *rest = lines.split("\n")
-    indent = " " * _LABEL_COLUMNS
     padding = " " * (_LABEL_COLUMNS - width(label))
-    return [label + padding + first, *(indent + line for line in rest)]
+    return label + padding + lines.replace("\n", "\n" + " " * _LABEL_COLUMNS)
 
 
 def silent(done: float, total: float) -> None:
@@ -52,7 +50,7 @@ class Result(TextResult, ABC):
 
     @abstractmethod
     def _lines(self) -> list[str]:
-        """Lines of the text."""
+        """Paragraphs of the text, each of one line or more."""
 
     def _draw(self) -> Figure:
         """The figure, drawn with the settings of all figures."""
@@ -62,7 +60,7 @@ class Result(TextResult, ABC):
         return "\n".join(self._lines())
 
     def __repr__(self) -> str:
-        return f"<{type(self).__name__}: {self._lines()[0]}>"
+        return f"<{type(self).__name__}: {str(self).splitlines()[0]}>"
 
     def plot(self) -> Figure:
         """The figure, which notebooks display; raises `MissingExtraError` without matplotlib."""

@@ -141,8 +141,8 @@ class MaxSpeed(Result):
         excess = text("no handle exceeds that by more than {excess:.2g} of it")
         return [
             first.format(speed=self.speed, limit=self.limit),
-            *labelled(text("limit:"), limit),
-            *labelled(text("certified:"), excess.format(excess=self.excess)),
+            labelled(text("limit:"), limit),
+            labelled(text("certified:"), excess.format(excess=self.excess)),
         ]
 
     def _draw(self) -> Figure:
@@ -363,9 +363,10 @@ class _Search:
         ahead = int(np.count_nonzero(self.march.handles_s(end)[0] > 0))
         handles = min(max(2, ahead + 1), self.march.dragon.handles)
 
-        first = self.march.handles_s(edges[:-1], handles)
+        at_edges = self.march.handles_s(edges, handles)
+        first = at_edges[:-1]
+        last = at_edges[1:]
         middle = self.march.handles_s(middles, handles)
-        last = self.march.handles_s(edges[1:], handles)
         while middles.size:
             ratios, bounds = self._ratios(first, middle, last)
             largest = ratios.max(axis=1)
@@ -432,16 +433,12 @@ class _Search:
         swept = moved * self.curve.max_curvature(first, last)
         rotated = (moved[:, :-1] + moved[:, 1:]) / spacings
         change = np.stack([swept[:, :-1], swept[:, 1:]]) + rotated
-        lows = angles - change
-        highs = angles + change
-        fronts, rears = np.stack([lows, highs], axis=1)
+        fronts, rears = np.stack([angles - change, angles + change], axis=1)
         curvatures = self._curvatures(first, last)
 
         # The derivative of a ratio's logarithm is the sum over the benches ahead.
         with np.errstate(over="ignore", invalid="ignore"):
-            velocity_ratios, slopes = _velocity_ratio(
-                fronts, rears, curvatures[..., :-1], curvatures[..., 1:], spacings
-            )
+            velocity_ratios, slopes = _velocity_ratio(fronts, rears, curvatures, spacings)
             ahead = chain.velocity_ratios(velocity_ratios[..., :-1], np.ones(1))
             slope = np.cumsum(_product(ahead, slopes), axis=-1)
             steepest = np.abs(slope).max(axis=0)
@@ -450,7 +447,7 @@ class _Search:
 
         # Where an angle may reach a right angle, there is no bound for this handle and the handles
         # behind it.
-        largest = np.maximum(-lows, highs).max(axis=0)
+        largest = (np.abs(angles) + change).max(axis=0)
         known = np.logical_and.accumulate(largest < _RIGHT_ANGLE, axis=1)
         return ratios, np.where(known & np.isfinite(bounds), bounds, np.inf)
 
@@ -474,9 +471,13 @@ class _Search:
 
 
 def _velocity_ratio(
-    fronts: Array, rears: Array, front_curvatures: Array, rear_curvatures: Array, spacings: Array
+    fronts: Array, rears: Array, curvatures: Array, spacings: Array
 ) -> tuple[Array, Array]:
-    """Velocity ratio rho of benches, and its logarithm's derivative by the front coordinate."""
+    """Velocity ratio rho of benches, and its logarithm's derivative by the front coordinate.
+
+    `fronts` and `rears` are angles at the handles of each bench, and `curvatures` are those at all
+    handles.
+    """
     cosines = _cosine(fronts)
     front_sines = np.sin(fronts)
     rear_sines = np.sin(rears)
@@ -484,8 +485,8 @@ def _velocity_ratio(
     rate = front_sines - _product(ratio, rear_sines)[::-1]
     # A square is not negative.
     square = np.maximum(_product(rate, rate), 0.0) / spacings
-    rear = _product(_product(ratio, ratio), _product(rear_curvatures, rear_sines))
-    front = _product(front_curvatures, front_sines)
+    rear = _product(_product(ratio, ratio), _product(curvatures[..., 1:], rear_sines))
+    front = _product(curvatures[..., :-1], front_sines)
     return ratio, _quotient(rear - front[::-1] + square, cosines)
 
 

@@ -122,9 +122,9 @@ class MinPitch(Result):
         larger = larger.format(count=len(self.larger_pitches), largest=self.larger_pitches[0])
         return [
             first.format(pitch=self.pitch, radius=self.radius),
-            *labelled("", text("after {time:.3f} s").format(time=arrival)),
-            *labelled(text("limit:"), limit),
-            *labelled(text("certified:"), f"{certified}\n{larger}"),
+            labelled("", text("after {time:.3f} s").format(time=arrival)),
+            labelled(text("limit:"), limit),
+            labelled(text("certified:"), f"{certified}\n{larger}"),
         ]
 
     def _draw(self) -> Figure:
@@ -204,7 +204,7 @@ def min_pitch(
     turns : float
         Turn of the spiral from which the head starts, as in `March`.
     speed : float
-        Speed of the head, as in `March`.
+        Speed of the head, m/s, as in `March`.
     radius : float
         Radius of the circle, m.
     progress : callable, optional
@@ -309,7 +309,7 @@ def _pitches(dragon: Dragon, radius: float, narrowest: float) -> list[float]:
     beyond = np.hypot(half + dragon.overhangs, middle + dragon.widths / 2) - radius
     into = radius - middle + dragon.widths / 2
     widest = max(_PITCH_RATIO * narrowest, float(beyond.max() + into.max()))
-    steps = math.ceil(math.log(widest / narrowest) / math.log(_PITCH_RATIO))
+    steps = math.ceil(math.log(widest / narrowest, _PITCH_RATIO))
     return [*np.geomspace(widest, narrowest, steps + 1).tolist()]
 
 

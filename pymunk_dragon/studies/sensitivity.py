@@ -1,7 +1,7 @@
 """Derivatives of the first contact's time and of the smallest pitch by every size of the benches.
 
-They are central differences of the exact answers, accurate to 1e-7 s or mm for each millimetre.
-Where other benches touch within a step, there is no derivative.
+The method is central differences of the exact answers, accurate to 1e-7 s or mm for each
+millimetre. Where other benches touch within a step, there is no derivative.
 """
 
 from __future__ import annotations
@@ -70,9 +70,9 @@ class Sensitivity(Result):
         time = text("first contact at t = {time:.9f} s").format(time=self.contact.time)
         pitch = text("smallest pitch {pitch:.12f} m").format(pitch=self.smallest.pitch)
         heads = (text("size"), text("s per mm"), text("mm per mm"))
-        labels = [text(name.replace("_", "-")) for name in self.times]
+        labels = [name.replace("_", "-") for name in self.times]
         per_mm = [None if slope is None else slope / 1e3 for slope in self.times.values()]
-        rows = zip(labels, per_mm, self.pitches.values(), strict=True)
+        rows = zip(map(text, labels), per_mm, self.pitches.values(), strict=True)
         return [time, pitch, *table(heads, ("<13", "+10.7f", "+10.7f"), rows)]
 
 
@@ -92,13 +92,13 @@ def sensitivity(
     dragon : Dragon, optional
         The dragon; by default the contest's.
     pitch : float
-        As in `Spiral`, for the first contact, without which a `ParameterError` is raised.
+        Pitch of the spiral for the first contact, m; a `ParameterError` if there is no contact.
     turns : float
-        As in `min_pitch`.
+        Turn of the spiral from which the head starts, as in `min_pitch`.
     speed : float
-        As in `min_pitch`.
+        Speed of the head, m/s, as in `min_pitch`.
     radius : float
-        As in `min_pitch`.
+        Radius of the circle, m, as in `min_pitch`.
     progress : callable, optional
         Called with the number of sizes that are done and the number of all.
 

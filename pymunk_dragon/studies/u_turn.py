@@ -96,6 +96,10 @@ _MARGIN = 1e-4
 _REPAIRS = 4
 
 
+# Largest ratio of a handle's speed to the head's, and its excess; None if the ratio is sampled.
+_Peak = tuple[float, float | None]
+
+
 @dataclass(frozen=True, kw_only=True)
 class MarchedTurn:
     """A turn, its first contact and its largest ratio of speeds.
@@ -145,11 +149,6 @@ class MarchedTurn:
         """Length from the entry of the circle to its exit, m."""
         return self.path.joints[-1] - self.path.joints[0]
 
-    @property
-    def arcs(self) -> int:
-        """Number of arcs between the spirals."""
-        return len(self.path.pieces) - 2
-
     def to_dict(self) -> dict[str, Any]:
         """Length, first contact, and largest ratio of speeds; no excess where it is sampled."""
         return {
@@ -163,8 +162,8 @@ class MarchedTurn:
         """Lines about the contact and the fastest handle."""
         first = str(self.contact).partition("\n")[0]
         if self.excess is None:
-            return [*labelled(text("certified:"), first), *labelled(text("sampled:"), self.fastest)]
-        return labelled(text("certified:"), f"{first}\n{self.fastest}")
+            return [labelled(text("certified:"), first), labelled(text("sampled:"), self.fastest)]
+        return [labelled(text("certified:"), f"{first}\n{self.fastest}")]
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -220,19 +219,19 @@ class TurnResult(Result):
         arcs = arcs.format(
             length=self.turn.length, first=first, second=second, angle=angle, x=x, y=y, u=u, v=v
         )
-        lines = [*labelled(text("the turn:"), arcs), *self.contests.lines()]
+        lines = [labelled(text("the turn:"), arcs), *self.contests.lines()]
         if self.shortest is None:
             return lines
 
         if self.shortest.path == self.turn:
-            return [*lines, *labelled(text("shorter:"), text("no turn on five arcs was found"))]
+            return [*lines, labelled(text("shorter:"), text("no turn on five arcs was found"))]
         best = text(
             "{length:.4f} m on {arcs} arcs with radii of at least {radius:g} m:\n"
             "best found, not proven to be the shortest"
         )
-        count = self.shortest.arcs
+        count = len(self.shortest.path.pieces) - 2
         best = best.format(length=self.shortest.length, arcs=count, radius=_MIN_RADIUS)
-        return [*lines, *labelled(text("shorter:"), best), *self.shortest.lines()]
+        return [*lines, labelled(text("shorter:"), best), *self.shortest.lines()]
 
     def _draw(self) -> Figure:
         """Both paths in the circle."""
@@ -248,7 +247,7 @@ class TurnResult(Result):
         for marched, colour in ((self.contests, style.BLUE), (self.shortest, style.AMBER)):
             if marched is not None:
                 path = marched.path
-                name = text("{} arcs, {:.4f} m").format(marched.arcs, marched.length)
+                name = text("{} arcs, {:.4f} m").format(len(path.pieces) - 2, marched.length)
                 # With parts of both spirals.
                 s = np.linspace(-4.0, path.joints[-1] + 4.0, 1200)
                 axes.plot(*path.point(s).T, color=colour, label=name)
@@ -313,17 +312,17 @@ def u_turn(
         peak = _largest_ratio(dragon, turn, turn)
     except UnreachableError as error:
         raise too_small from error
-    if math.isinf(peak.ratio):
+    if math.isinf(peak[0]):
         raise too_small
     times = tuple(March(dragon, turn, speed=speed).time(_DISTANCES).tolist())
 
-    def marched(path: Composite, peak: _Peak) -> MarchedTurn:
+    def marched(path: Composite, ratio: float, excess: float | None) -> MarchedTurn:
         march = March(dragon, path, speed=speed)
         contact = first_contact(march, start=times[0], until=times[-1])
-        return MarchedTurn(path=path, march=march, contact=contact, **peak._asdict())
+        return MarchedTurn(path=path, march=march, contact=contact, ratio=ratio, excess=excess)
 
     shortest = marched(*_shortest_turn(turn, dragon, peak, progress)) if search else None
-    return TurnResult(turn=turn, times=times, contests=marched(turn, peak), shortest=shortest)
+    return TurnResult(turn=turn, times=times, contests=marched(turn, *peak), shortest=shortest)
 
 
 def _followed(turn: UTurn, dragon: Dragon) -> Array:
@@ -333,23 +332,16 @@ def _followed(turn: UTurn, dragon: Dragon) -> Array:
     return dragon.spacings[: last + 1]
 
 
-class _Peak(NamedTuple):
-    """Largest ratio of a handle's speed to the head's; the excess is None if it is sampled."""
-
-    ratio: float
-    excess: float | None
-
-
 def _largest_ratio(dragon: Dragon, path: Composite, turn: UTurn) -> _Peak:
-    """Largest ratio on a path.
+    """Largest ratio on a path, and its excess.
 
-    A certified one raises `ParameterError` or `UnreachableError` if a handle is pushed back or has
-    no position; a sampled one is inf.
+    If a handle is pushed back or has no position, a certified ratio raises `ParameterError` or
+    `UnreachableError`, and a sampled one is inf.
     """
     if not dragon.has_equal_benches:
-        return _Peak(_sampled_ratio(path, _followed(turn, dragon)), None)
+        return _sampled_ratio(path, _followed(turn, dragon)), None
     search, excess = largest_ratio(dragon, path, turn.radius)
-    return _Peak(search.ratio, excess)
+    return search.ratio, excess
 
 
 def _sampled_ratio(path: Composite, spacings: Array) -> float:
@@ -362,11 +354,12 @@ def _sampled_ratio(path: Composite, spacings: Array) -> float:
 
 def _shortest_turn(
     base: UTurn, dragon: Dragon, peak: _Peak, progress: Progress
-) -> tuple[Composite, _Peak]:
-    """The shortest turn found whose largest ratio is at most `peak`, that of `base`, and its ratio.
+) -> tuple[Composite, float, float | None]:
+    """The shortest turn found, and its largest ratio, at most that of `base`, with the excess.
 
-    It is `base` where none is found.
+    The turn is `base` where no shorter one is found.
     """
+    most, _ = peak
     spacings = _followed(base, dragon)
     limit = _sampled_ratio(base, spacings)
     search = _Search(base, spacings, limit)
@@ -374,17 +367,17 @@ def _shortest_turn(
         arcs = search.arcs(search.run(np.array(_START), progress))
         path = arcs.path(base)
         try:
-            found = _largest_ratio(dragon, path, base)
+            ratio, excess = _largest_ratio(dragon, path, base)
         except DragonError:
-            found = _Peak(math.inf, None)
+            ratio, excess = math.inf, None
 
         # The search only samples, so its turn may exceed a limit a little.
-        faster = (found.ratio - peak.ratio) / (limit - 1)
-        excess = max(faster, arcs.violations(base.radius).max())
-        if excess <= 0:
-            return path, found
-        search.margin += min(excess, _MAX_SIZE) + _MARGIN
-    return base, peak
+        faster = (ratio - most) / (limit - 1)
+        violation = max(faster, arcs.violations(base.radius).max())
+        if violation <= 0:
+            return path, ratio, excess
+        search.margin += min(violation, _MAX_SIZE) + _MARGIN
+    return base, *peak
 
 
 class _Arcs(NamedTuple):
