@@ -31,13 +31,10 @@ def checked_dragon(dragon: Dragon | None) -> Dragon:
     return Dragon() if dragon is None else instance("dragon", dragon, Dragon, "a Dragon")
 
 
-def labelled(label: str, lines: str) -> list[str]:
+def labelled(label: str, lines: str) -> str:
     """Lines of a text beside a label."""
-    first, *rest = lines.split("\n")
-    return [
-        label + " " * (_LABEL_COLUMNS - width(label)) + first,
-        *(" " * _LABEL_COLUMNS + line for line in rest),
-    ]
+    padding = " " * (_LABEL_COLUMNS - width(label))
+    return label + padding + lines.replace("\n", "\n" + " " * _LABEL_COLUMNS)
 
 
 def silent(done: float, total: float) -> None:
@@ -45,7 +42,7 @@ def silent(done: float, total: float) -> None:
 
 
 class Result(TextResult, ABC):
-    """Base class of the studies' results: ``str`` is the text that the command prints and that notebooks show."""
+    """Base class of the studies' results: ``str`` is the text of the command and of notebooks."""
 
     @abstractmethod
     def to_dict(self) -> dict[str, Any]:
@@ -53,7 +50,7 @@ class Result(TextResult, ABC):
 
     @abstractmethod
     def _lines(self) -> list[str]:
-        """Lines of the text."""
+        """Paragraphs of the text, each of one line or more."""
 
     def _draw(self) -> Figure:
         """The figure, drawn with the settings of all figures."""
@@ -63,7 +60,7 @@ class Result(TextResult, ABC):
         return "\n".join(self._lines())
 
     def __repr__(self) -> str:
-        return f"<{type(self).__name__}: {self._lines()[0]}>"
+        return f"<{type(self).__name__}: {str(self).splitlines()[0]}>"
 
     def plot(self) -> Figure:
         """The figure, which notebooks display; raises `MissingExtraError` without matplotlib."""
@@ -72,7 +69,7 @@ class Result(TextResult, ABC):
         return styled_figure(self._draw)
 
     def write_figure(self, path: str | Path) -> None:
-        """Write the figure as PNG, SVG or PDF; raises `ParameterError` and `OutputError` as `Run.save` does."""
+        """Write the figure as PNG, SVG or PDF; raises `ParameterError` or `OutputError`."""
         from pymunk_dragon.drawing.figures import write_styled
 
         write_styled(self._draw, path)
@@ -84,14 +81,16 @@ class Study:
 
     Attributes
     ----------
-    name, summary : str
-        Name of the study, and what it computes in one line.
+    name : str
+        Name of the study.
+    summary : str
+        One line on what the study computes.
     run : callable
         Function of a `Dragon`, of keyword-only parameters with defaults, and of `progress`. It
         returns a `Result`.
     flags : mapping
-        Those of its parameters that no scenario has, as flags of the command line: a placeholder of
-        the value, and a description.
+        Flags of the command line for the parameters that no scenario has: a placeholder of the
+        value, and a description.
     formats : tuple of str
         Endings of the files that the result can be written to: .xlsx if it has a `march` and
         `times`.
@@ -106,18 +105,17 @@ class Study:
     @property
     def parameters(self) -> tuple[str, ...]:
         """Names of all parameters, including the dragon's sizes."""
-        return *_DRAGON_SIZES, *(
-            name for name in list(signature(self.run).parameters)[1:] if name != "progress"
-        )
+        _, *others = signature(self.run).parameters
+        return *_DRAGON_SIZES, *(name for name in others if name != "progress")
 
     def answer(self, values: Mapping[str, Any], progress: Progress = silent) -> Any:
-        """Run with `values` of its `parameters` by name; a wrong name or value is a `ParameterError`."""
+        """Result for values of `parameters` by name; `ParameterError` for a wrong name or value."""
         instance("values", values, Mapping, "a mapping of names and values")
         for name, value in values.items():
             if name not in self.parameters:
-                raise ParameterError(
-                    name, value, f"left out: {self.name} takes " + ", ".join(self.parameters)
-                )
-        sizes = {name: value for name, value in values.items() if name in _DRAGON_SIZES}
-        rest = {name: value for name, value in values.items() if name not in _DRAGON_SIZES}
+                known = f"left out: {self.name} takes " + ", ".join(self.parameters)
+                raise ParameterError(name, value, known)
+
+        rest = dict(values)
+        sizes = {name: rest.pop(name) for name in _DRAGON_SIZES if name in rest}
         return self.run(Dragon(**sizes), **rest, progress=progress)

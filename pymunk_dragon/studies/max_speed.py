@@ -1,4 +1,6 @@
-"""The largest speed of the head at which no handle exceeds a speed limit in the turn (the contest's question 5).
+"""The largest speed of the head in the turn at which no handle exceeds a speed limit.
+
+This is the contest's question 5.
 
 The speed of each handle is proportional to the head's, so the largest speed is the limit over the
 largest ratio of a handle's speed to the head's. The ratio depends only on the distance travelled by
@@ -26,6 +28,7 @@ Three facts limit the search:
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -44,46 +47,61 @@ from pymunk_dragon.studies._study import Progress, Result, checked_dragon, label
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-# Length of the initial intervals in spacings, and m of the head's distance below which they are not
-# halved: rounding.
-_INTERVAL, _MIN_INTERVAL = 1 / 16, 1e-12
+# Length of the initial intervals, in spacings.
+_INTERVAL = 1 / 16
+# m of the head's distance: shorter intervals are not halved, because of rounding.
+_MIN_INTERVAL = 1e-12
 # Initial intervals times benches up to which a whole dragon is followed through the turn: some
 # seconds of work.
 _WORK = 100_000
-# Relative width of the enclosure: the search takes longer below it. Relative difference up to which
-# the speeds of two handles count as equal, several of these widths; and relative bound on the
-# rounding error of a ratio of given angles.
-_RELATIVE_TOLERANCE, _EQUAL, ROUNDING = 1e-11, 1e-10, 1e-13
+# Relative width of the enclosure: the search takes longer below it.
+_RELATIVE_TOLERANCE = 1e-11
+# Relative difference up to which the speeds of two handles count as equal: several widths of the
+# enclosure.
+_EQUAL = 1e-10
+# Relative bound on the rounding error of a ratio of given angles.
+_ROUNDING = 1e-13
 # Last digits of the largest coordinate by which the equation of a bench is off, besides what is
 # measured.
 _ROUNDED = 2
+# rad.
 _RIGHT_ANGLE = np.pi / 2
 # Least cosine in a quotient: a smaller one belongs to an angle that may reach a right angle.
 _MIN_COSINE = 1e-12
-# Of the figure: m that the head travels before and after the limit, samples in between, and
-# foremost handles drawn.
-_BEFORE, _AFTER, _SAMPLES, _DRAWN_HANDLES = 9.0, 12.0, 1600, 12
+# m that the head travels in the figure before the limit is reached.
+_BEFORE = 9.0
+# m that the head travels in the figure after that.
+_AFTER = 12.0
+# Samples of the speeds in the figure.
+_SAMPLES = 1600
+# Foremost handles in the figure; more if the fastest one is behind them.
+_DRAWN_HANDLES = 12
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class MaxSpeed(Result):
-    """The largest speed of the head for a speed limit of all handles, and the speed ratio that it follows from.
+    """The largest speed of the head for a speed limit of all handles.
 
     Attributes
     ----------
-    speed, limit : float
-        Largest speed of the head, and speed that no handle may exceed, m/s; `speed` is `limit` over
-        `ratio`.
-    ratio, excess : float
-        Largest ratio of a handle's speed to the head's, and the relative amount by which the true
-        one may be larger.
+    speed : float
+        Largest speed of the head, m/s: `limit` over `ratio`.
+    limit : float
+        Speed that no handle may exceed, m/s.
+    ratio : float
+        Largest ratio of a handle's speed to the head's.
+    excess : float
+        Relative amount by which the true ratio may be larger.
     handles : tuple of int
         All handles with that speed; `handle` is the foremost one.
-    time, distance : float
-        Time from the entry of the circle to the maximum, s, and distance travelled by the head
-        until then, m.
-    curve, dragon : UTurn, Dragon
-        The path and the dragon.
+    time : float
+        Time from the entry of the circle to the maximum, s.
+    distance : float
+        Distance travelled by the head from the entry of the circle to the maximum, m.
+    curve : UTurn
+        The path.
+    dragon : Dragon
+        The dragon.
     """
 
     speed: float
@@ -107,58 +125,53 @@ class MaxSpeed(Result):
         return {name: getattr(self, name) for name in names}
 
     def _lines(self) -> list[str]:
-        subject = (
-            text("handle {first} goes")
-            if len(self.handles) == 1
-            else text("handles {first} to {last} go")
-        )
+        subject = text("handle {first} goes")
+        if len(self.handles) > 1:
+            subject = text("handles {first} to {last} go")
         subject = subject.format(first=self.handles[0], last=self.handles[-1])
+
+        first = text("largest speed of the head {speed:.10f} m/s: no handle exceeds {limit:g} m/s")
         limit = text(
             "{subject} {ratio:.10f} times as fast as the head\n"
             "{time:.4f} s after it entered the circle, {distance:.4f} m into it"
-        ).format(subject=subject, ratio=self.ratio, time=self.time, distance=self.distance)
-        first = text("largest speed of the head {speed:.10f} m/s: no handle exceeds {limit:g} m/s")
-        excess = text("no handle exceeds that by more than {excess:.2g} of it").format(
-            excess=self.excess
         )
+        limit = limit.format(
+            subject=subject, ratio=self.ratio, time=self.time, distance=self.distance
+        )
+        excess = text("no handle exceeds that by more than {excess:.2g} of it")
         return [
             first.format(speed=self.speed, limit=self.limit),
-            *labelled(text("limit:"), limit),
-            *labelled(text("certified:"), excess),
+            labelled(text("limit:"), limit),
+            labelled(text("certified:"), excess.format(excess=self.excess)),
         ]
 
     def _draw(self) -> Figure:
         """Speeds of the foremost handles over time."""
         from pymunk_dragon.drawing.figures import style
 
-        title = text("At {:.6f} m/s of the head no handle exceeds {:g} m/s").format(
-            self.speed, self.limit
-        )
-        figure = style.slide(title, text("speeds of the foremost handles, m/s"))
+        title = text("At {:.6f} m/s of the head no handle exceeds {:g} m/s")
+        aim = text("speeds of the foremost handles, m/s")
+        figure = style.slide(title.format(self.speed, self.limit), aim)
         axes = style.panels(figure)
-        distances = self.distance + np.unique([*np.linspace(-_BEFORE, _AFTER, _SAMPLES), 0.0])
+
+        # The samples include the maximum itself.
+        offsets = np.unique([*np.linspace(-_BEFORE, _AFTER, _SAMPLES), 0.0])
+        distances = self.distance + offsets
         handles = min(max(_DRAWN_HANDLES, self.handle + 1), self.dragon.handles)
-        speeds = self.speed * March(self.dragon, self.curve).at(distances, handles).speeds
+        states = March(self.dragon, self.curve).at(distances, handles)
+        speeds = self.speed * states.speeds
         times = distances / self.speed
         axes.plot(times, speeds, color=style.PALE, lw=0.9)
+
         name = text("handle {}").format(self.handle)
-        axes.plot(
-            times, speeds[:, self.handle], color=style.BLUE, lw=2.2, gid="fastest", label=name
-        )
+        fastest = speeds[:, self.handle]
+        axes.plot(times, fastest, color=style.BLUE, lw=2.2, gid="fastest", label=name)
         note = text("{:g} m/s at {:.3f} s").format(self.limit, self.time)
-        axes.plot(
-            self.time,
-            self.limit,
-            "o",
-            color=style.COLOURS.contact,
-            ms=7,
-            zorder=4,
-            gid="limit",
-            label=note,
-        )
-        axes.set(
-            xlabel=text("time since the head entered the circle (s)"), xlim=(times[0], times[-1])
-        )
+        (mark,) = axes.plot(self.time, self.limit, "o", gid="limit", label=note)
+        mark.set(color=style.COLOURS.contact, markersize=7, zorder=4)
+
+        axes.set(xlabel=text("time since the head entered the circle (s)"))
+        axes.set(xlim=(times[0], times[-1]))
         axes.legend(loc="upper right", frameon=False)
         return figure
 
@@ -172,7 +185,7 @@ def max_speed(
     ratio: float = 2.0,
     progress: Progress = silent,
 ) -> MaxSpeed:
-    """The largest constant speed of the head at which no handle ever exceeds a limit on the path of the U-turn.
+    """The largest constant speed of the head at which no handle exceeds a limit in the U-turn.
 
     Parameters
     ----------
@@ -180,8 +193,12 @@ def max_speed(
         The dragon; by default the contest's. Its benches but the head must be alike.
     limit : float
         Speed that no handle may exceed, m/s.
-    pitch, radius, ratio : float
-        As in `UTurn`.
+    pitch : float
+        Radial distance between turns of the spirals, m, as in `UTurn`.
+    radius : float
+        Radius of the circle, m, as in `UTurn`.
+    ratio : float
+        Ratio of the radii of the arcs, as in `UTurn`.
     progress : callable, optional
         Called with the work that is done and the whole.
 
@@ -217,24 +234,28 @@ def max_speed(
     if not dragon.has_equal_benches:
         raise ParameterError("dragon", dragon, "one whose benches but the head are alike")
     curve = UTurn(pitch=pitch, radius=radius, ratio=ratio)
-    found, excess = _largest_ratio(dragon, curve, curve.radius)
+
+    search, excess = largest_ratio(dragon, curve, curve.radius)
     progress(1, 1)
-    speeds = found.march.at(found.travelled, found.handles).speeds[0]
+    speeds = search.march.at(search.travelled, search.handles).speeds[0]
+    fastest = np.flatnonzero(speeds > search.ratio * (1 - _EQUAL))
     return MaxSpeed(
-        speed=limit / found.ratio,
+        speed=limit / search.ratio,
         limit=limit,
-        ratio=found.ratio,
+        ratio=search.ratio,
         excess=excess,
-        handles=tuple(np.flatnonzero(speeds > found.ratio * (1 - _EQUAL)).tolist()),
-        time=found.travelled * found.ratio / limit,
-        distance=found.travelled,
+        handles=tuple(fastest.tolist()),
+        time=search.travelled * search.ratio / limit,
+        distance=search.travelled,
         curve=curve,
         dragon=dragon,
     )
 
 
-def certified_ratio(dragon: Dragon, curve: Composite, radius: float) -> tuple[float, float]:
-    """Largest ratio of a handle's speed to the head's, and the relative amount by which the true one may be larger.
+def largest_ratio(dragon: Dragon, curve: Composite, radius: float) -> tuple[_Search, float]:
+    """The search for the largest ratio of a handle's speed to the head's, and its excess.
+
+    The excess is the relative amount by which the true ratio may be larger than the one found.
 
     The dragon's benches but the head are alike, and the path is a turn on arcs between the spirals
     of a `UTurn` with this radius, m. Raises `ParameterError` if the dragon has no position with its
@@ -242,43 +263,44 @@ def certified_ratio(dragon: Dragon, curve: Composite, radius: float) -> tuple[fl
     handle, where its rear handle begins to move back; and `UnreachableError` if the dragon does not
     fit round the turn.
     """
-    search, excess = _largest_ratio(dragon, curve, radius)
-    return search.ratio, excess
-
-
-def _largest_ratio(dragon: Dragon, curve: Composite, radius: float) -> tuple[_Search, float]:
-    """The search for the ratio of `certified_ratio`, and its relative excess."""
-    search, bound = _searched(dragon, curve, radius)
+    search = _Search(dragon, curve, radius)
+    bound = _searched(search)
     return search, max(_RELATIVE_TOLERANCE, bound / search.ratio - 1, search.rounding())
 
 
-def _searched(dragon: Dragon, curve: Composite, radius: float) -> tuple[_Search, float]:
-    """Search for the largest ratio, and a bound on all ratios that are not enclosed by it."""
-    search = _Search(dragon, curve, radius)
-    head, body, whole = (
-        float(dragon.spacings[0]),
-        float(dragon.spacings[-1]),
-        float(dragon.spacings.sum()),
-    )
+def _searched(search: _Search) -> float:
+    """Search for the largest ratio; a bound on all ratios that the search does not enclose."""
+    dragon = search.march.dragon
+    curve = search.curve
+    head = float(dragon.spacings[0])
+    body = float(dragon.spacings[-1])
+    whole = float(dragon.spacings.sum())
+    # The bound on the ratios of the outward spiral.
     outward = curve.pieces[-1]
-    cosines = np.sqrt(1 - (outward.curvature(outward.begin_s) * dragon.spacings / 2) ** 2)
-    gain = float(np.prod(np.maximum(1.0, cosines[1:] / cosines[:-1])) / cosines[-1])
+    sines = outward.curvature(outward.begin_s) * dragon.spacings / 2
+    cosines = np.sqrt(1 - sines**2)
+    gains = np.maximum(1.0, cosines[1:] / cosines[:-1])
+    gain = float(np.prod(gains) / cosines[-1])
+
     first = search.exit_distance(1, head)
     search.run(0.0, first)
     # The head has left the turn, so the benches behind it move as a chain of equal benches:
     # periodically.
     equal = replace(dragon, head_spacing=body)
-    followers = _Search(equal, curve, radius, start_s=curve.joints[-1], lower=search.ratio / gain)
+    lower = search.ratio / gain
+    followers = _Search(equal, curve, search.radius, start_s=curve.joints[-1], lower=lower)
     followers.run(0.0, followers.exit_distance(1, body))
-    if not followers.found:
-        return search, gain
+    if followers.ratio == lower:
+        # No handle behind the head bench is faster.
+        return gain
+
     if whole / (_INTERVAL * body) * dragon.benches > _WORK:
         # A period of the followers behind one bench on the outward spiral; behind more they gain
         # little.
         search.run(first, search.exit_distance(2, head + body))
-        return search, followers.ratio * gain
+        return followers.ratio * gain
     search.run(first, search.exit_distance(dragon.benches, whole))
-    return search, gain
+    return gain
 
 
 def _too_narrow(radius: float) -> ParameterError:
@@ -287,7 +309,11 @@ def _too_narrow(radius: float) -> ParameterError:
 
 
 class _Search:
-    """Branch and bound for the largest ratio of a march at 1 m/s above a lower bound."""
+    """Branch and bound for the largest ratio of a march at 1 m/s above a lower bound.
+
+    `ratio` is the largest one found, after the head has `travelled` a distance, m, among the first
+    `handles`.
+    """
 
     def __init__(
         self,
@@ -298,122 +324,132 @@ class _Search:
         start_s: float = 0.0,
         lower: float = 1.0,
     ) -> None:
-        self.curve, self.spacings = curve, dragon.spacings
-        self._radius = radius
+        self.curve = curve
+        self.radius = radius
+        self.ratio = lower
+        self.travelled = 0.0
+        self.handles = 1
+        self._spacings = dragon.spacings
         try:
             self.march = March(dragon, curve, start_s=start_s)
         except ParameterError as error:
             raise _too_narrow(radius) from error
-        self.ratio, self.found, self.travelled, self.handles = lower, False, 0.0, 1
 
     def exit_distance(self, handle: int, step: float) -> float:
-        """Distance travelled by the head, m, at which `handle` has passed the exit of the turn by up to `step`.
+        """Distance of the head, m, at which `handle` has passed the turn's exit by up to `step`.
 
         Raises `ParameterError` if the handle is pushed back.
         """
         exit_s = self.curve.joints[-1]
-        travelled, s = exit_s - self.march.head_start + step, -np.inf
+        travelled = exit_s - self.march.head_start + step
+        s = -np.inf
         while True:
-            before, s = (
-                s,
-                float(self.march.handles_s(self.march.time(travelled), handle + 1)[0, -1]),
-            )
+            before = s
+            s = float(self.march.handles_s(travelled, handle + 1)[0, -1])
             if s >= exit_s:
                 return travelled
             if s <= before:
-                raise _too_narrow(self._radius)
+                raise _too_narrow(self.radius)
             travelled += step / 8
 
     def run(self, begin: float, end: float) -> None:
         """Enclose the largest ratio while the head travels from `begin` to `end`, m."""
-        edges = np.linspace(
-            begin, end, int(np.ceil((end - begin) / (_INTERVAL * self.spacings.min()))) + 1
-        )
+        longest = _INTERVAL * self._spacings.min()
+        edges = np.linspace(begin, end, int(np.ceil((end - begin) / longest)) + 1)
+        middles = (edges[:-1] + edges[1:]) / 2
+        halves = np.diff(edges) / 2
         # The handles further back are on the inward spiral, and no faster than the last of these
         # handles.
-        ahead = int(np.count_nonzero(self.march.handles_s(self.march.time(end))[0] > 0))
+        ahead = int(np.count_nonzero(self.march.handles_s(end)[0] > 0))
         handles = min(max(2, ahead + 1), self.march.dragon.handles)
-        middles, halves = (edges[:-1] + edges[1:]) / 2, np.diff(edges) / 2
-        parts = [
-            self.march.handles_s(travelled, handles)
-            for travelled in (edges[:-1], middles, edges[1:])
-        ]
+
+        at_edges = self.march.handles_s(edges, handles)
+        first = at_edges[:-1]
+        last = at_edges[1:]
+        middle = self.march.handles_s(middles, handles)
         while middles.size:
-            first, middle, last = parts
-            ratios, most = self._ratios(first, middle, last)
+            ratios, bounds = self._ratios(first, middle, last)
             largest = ratios.max(axis=1)
             best = int(largest.argmax())
             if largest[best] > self.ratio:
-                self.ratio, self.found, self.travelled = (
-                    float(largest[best]),
-                    True,
-                    float(middles[best]),
-                )
+                self.ratio = float(largest[best])
+                self.travelled = float(middles[best])
                 self.handles = ratios.shape[1] + 1
-            left = np.flatnonzero((most > self.ratio * (1 + _RELATIVE_TOLERANCE)).any(axis=1))
+
+            # Intervals in which the ratio may still be larger.
+            may_exceed = bounds > self.ratio * (1 + _RELATIVE_TOLERANCE)
+            left = np.flatnonzero(may_exceed.any(axis=1))
             if not left.size or 2 * halves.max() < _MIN_INTERVAL:
                 break
-            handles = int(np.flatnonzero((most[left] > self.ratio).any(axis=0))[-1]) + 2
-            first, middle, last = (part[left, :handles] for part in parts)
+            # Handles up to the last one that may still be faster.
+            faster = np.flatnonzero((bounds[left] > self.ratio).any(axis=0))
+            handles = int(faster[-1]) + 2
+
+            # Both halves of these intervals.
+            first, middle, last = (part[left, :handles] for part in (first, middle, last))
             halves = np.tile(halves[left] / 2, 2)
-            middles = np.tile(middles[left], 2) + np.repeat([-1, 1], left.size) * halves
-            joined = np.concatenate([first, middle]), np.concatenate([middle, last])
-            parts = [joined[0], self.march.handles_s(middles, handles), joined[1]]
+            sides = np.repeat([-1, 1], left.size)
+            middles = np.tile(middles[left], 2) + sides * halves
+            first, last = np.concatenate([first, middle]), np.concatenate([middle, last])
+            middle = self.march.handles_s(middles, handles)
 
     def rounding(self) -> float:
-        """Relative rounding error of the largest ratio: that of the coordinates of the handles, which ratios magnify.
+        """Relative rounding error of the largest ratio.
 
-        An error of a coordinate changes the cosines of both benches there; `collision/bounds.py`
-        has the equations.
+        It is that of the coordinates of the handles, which ratios magnify. An error of a coordinate
+        changes the cosines of both benches there; `collision/bounds.py` has the equations.
         """
-        s, points, tangents, ratios = (
-            part[0] for part in self.march.motion(self.travelled, self.handles)
-        )
-        spacings = self.spacings[: self.handles - 1]
-        front, rear = (
-            turn.real for turn in chain.angles(as_vectors(points), as_vectors(tangents), spacings)
-        )
+        motion = self.march.motion(self.travelled, self.handles)
+        s, points, tangents, ratios = (part[0] for part in motion)
+        spacings = self._spacings[: self.handles - 1]
+        angles = chain.angles(as_vectors(points), as_vectors(tangents), spacings)
+        front, rear = (angle.real for angle in angles)
+
         largest = np.abs([self.march.head_start, s[-1], *self.curve.inner_ends]).max()
-        residual = np.abs(np.abs(np.diff(points)) - spacings).max() + _ROUNDED * np.spacing(largest)
+        measured = np.abs(np.abs(np.diff(points)) - spacings).max()
+        residual = measured + _ROUNDED * np.spacing(largest)
         errors = ratios * residual
         errors[1:] += ratios[1:] * np.cumsum(residual / (rear * ratios[1:]))
+
         curvatures = np.abs(self.curve.curvature(s))
-        changes = (2 / spacings + np.maximum(curvatures[:-1], curvatures[1:])) * np.maximum(
-            errors[:-1], errors[1:]
-        )
+        rates = 2 / spacings + np.maximum(curvatures[:-1], curvatures[1:])
+        changes = rates * np.maximum(errors[:-1], errors[1:])
         return float(np.sum(changes / front + changes / rear))
 
     def _ratios(self, first: Array, middle: Array, last: Array) -> tuple[Array, Array]:
-        """Ratios (K, H - 1) of the speeds of handles 1 to H - 1 to the head's, at midpoints, and bounds on intervals.
+        """Ratios (K, H - 1) of handles 1 to H - 1 at midpoints, and bounds on the intervals.
 
         `first`, `middle` and `last` (K, H) are coordinates of the handles at the beginning,
         midpoint and end of the intervals.
         """
-        spacings = self.spacings[: first.shape[1] - 1]
+        spacings = self._spacings[: first.shape[1] - 1]
         angles = np.angle(chain.angles(*self.curve.frame(middle), spacings))
         if np.any(np.abs(angles[0]) >= _RIGHT_ANGLE):
-            raise _too_narrow(self._radius)
+            raise _too_narrow(self.radius)
+
         # While both holes move forward, they remain between their coordinates at the ends of the
         # interval. No bench rotates by more than the sum of the two distances, over its spacing.
         moved = np.maximum(middle - first, last - middle)
         swept = moved * self.curve.max_curvature(first, last)
-        change = np.stack([swept[:, :-1], swept[:, 1:]]) + (moved[:, :-1] + moved[:, 1:]) / spacings
-        lows, highs = angles - change, angles + change
-        fronts, rears = np.stack([lows, highs], axis=1)
+        rotated = (moved[:, :-1] + moved[:, 1:]) / spacings
+        change = np.stack([swept[:, :-1], swept[:, 1:]]) + rotated
+        fronts, rears = np.stack([angles - change, angles + change], axis=1)
         curvatures = self._curvatures(first, last)
+
+        # The derivative of a ratio's logarithm is the sum over the benches ahead.
         with np.errstate(over="ignore", invalid="ignore"):
-            velocity_ratios, slopes = _velocity_ratio(
-                fronts, rears, curvatures[..., :-1], curvatures[..., 1:], spacings
-            )
+            velocity_ratios, slopes = _velocity_ratio(fronts, rears, curvatures, spacings)
             ahead = chain.velocity_ratios(velocity_ratios[..., :-1], np.ones(1))
-            slope = np.abs(np.cumsum(_product(ahead, slopes), axis=-1)).max(axis=0)
+            slope = np.cumsum(_product(ahead, slopes), axis=-1)
+            steepest = np.abs(slope).max(axis=0)
             ratios = chain.velocity_ratios(*np.cos(angles))[:, 1:]
-            most = ratios * np.exp(slope * moved[:, :1]) * (1 + ROUNDING)
+            bounds = ratios * np.exp(steepest * moved[:, :1]) * (1 + _ROUNDING)
+
         # Where an angle may reach a right angle, there is no bound for this handle and the handles
         # behind it.
-        largest = np.maximum(-lows, highs).max(axis=0)
+        largest = (np.abs(angles) + change).max(axis=0)
         known = np.logical_and.accumulate(largest < _RIGHT_ANGLE, axis=1)
-        return ratios, np.where(known & np.isfinite(most), most, np.inf)
+        return ratios, np.where(known & np.isfinite(bounds), bounds, np.inf)
 
     def _curvatures(self, first: Array, last: Array) -> Array:
         """Least and largest signed curvature (2, K, H) of the path between coordinates.
@@ -421,18 +457,13 @@ class _Search:
         The curvature of an arc is constant, and that of a spiral is monotonic.
         """
         found = np.sort([self.curve.curvature(first), self.curve.curvature(last)], axis=0)
-        for joint, before, after in zip(
-            self.curve.joints, self.curve.pieces[:-1], self.curve.pieces[1:], strict=True
-        ):
+        low, high = found
+        pieces = pairwise(self.curve.pieces)
+        for joint, (before, after) in zip(self.curve.joints, pieces, strict=True):
             here = (first <= joint + _MIN_INTERVAL) & (last >= joint - _MIN_INTERVAL)
-            for end in (
-                float(before.curvature(before.end_s)),
-                float(after.curvature(after.begin_s)),
-            ):
-                found[0, here], found[1, here] = (
-                    np.minimum(found[0, here], end),
-                    np.maximum(found[1, here], end),
-                )
+            ends = [before.curvature(before.end_s), after.curvature(after.begin_s)]
+            np.minimum(low, min(ends), out=low, where=here)
+            np.maximum(high, max(ends), out=high, where=here)
         return found
 
 
@@ -440,16 +471,23 @@ class _Search:
 
 
 def _velocity_ratio(
-    fronts: Array, rears: Array, front_curvatures: Array, rear_curvatures: Array, spacings: Array
+    fronts: Array, rears: Array, curvatures: Array, spacings: Array
 ) -> tuple[Array, Array]:
-    """Velocity ratio rho of benches, and the derivative of its logarithm by the front hole's coordinate."""
-    cosines, front_sines, rear_sines = _cosine(fronts), np.sin(fronts), np.sin(rears)
+    """Velocity ratio rho of benches, and its logarithm's derivative by the front coordinate.
+
+    `fronts` and `rears` are angles at the handles of each bench, and `curvatures` are those at all
+    handles.
+    """
+    cosines = _cosine(fronts)
+    front_sines = np.sin(fronts)
+    rear_sines = np.sin(rears)
     ratio = _quotient(cosines, _cosine(rears))
     rate = front_sines - _product(ratio, rear_sines)[::-1]
     # A square is not negative.
     square = np.maximum(_product(rate, rate), 0.0) / spacings
-    rear = _product(_product(ratio, ratio), _product(rear_curvatures, rear_sines))
-    return ratio, _quotient(rear - _product(front_curvatures, front_sines)[::-1] + square, cosines)
+    rear = _product(_product(ratio, ratio), _product(curvatures[..., 1:], rear_sines))
+    front = _product(curvatures[..., :-1], front_sines)
+    return ratio, _quotient(rear - front[::-1] + square, cosines)
 
 
 def _cosine(angles: Array) -> Array:

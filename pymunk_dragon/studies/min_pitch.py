@@ -31,17 +31,20 @@ from pymunk_dragon.studies._study import Progress, Result, checked_dragon, label
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-# m. Radius of the contest's turning circle, and the largest one: with a wider circle the inward
-# spiral is kilometres long, and the search takes minutes.
-RADIUS, _MAX_RADIUS = 4.5, 100.0
+# m. Radius of the contest's turning circle.
+RADIUS = 4.5
+# m. Largest radius: with a wider circle the inward spiral is kilometres long, and the search takes
+# minutes.
+_MAX_RADIUS = 100.0
 # Largest turn of the start: a spiral has at most a thousand turns.
 _MAX_TURNS = 900.0
 # m. Distance from the limit at which pitches are certified: a thousand times the error of the
 # limit.
 _CERTIFIED = 1e-9
-# Least pitch over the width, which no march's pitch may equal; ratio of successive pitches from out
-# of reach down.
-_MIN_PITCH_RATIO, _PITCH_RATIO = 1 + 1e-6, 1.06
+# Least pitch over the width, which no march's pitch may equal.
+_MIN_PITCH_RATIO = 1 + 1e-6
+# Ratio of successive pitches, from one at which turns are out of each other's reach down.
+_PITCH_RATIO = 1.06
 # Share of a step of the secant method by which it stays above the limit.
 _MARGIN = 0.01
 # Marches near the limit, at most: some seven suffice, and bisection alone takes 25.
@@ -54,17 +57,28 @@ class MinPitch(Result):
 
     Attributes
     ----------
-    pitch, radius, march : float, float, March
-        The smallest pitch and radius of the circle, m, and the march at that pitch.
-    benches, point : tuple or None
-        The two benches that touch, the smaller number first, and the contact point, m; None where
-        the pitch is limited by the circle, on which the head starts.
-    distance, arrival_distance : float
-        Distances travelled by handle 0 at the contact, to some micrometres, and at the circle, m;
-        `march.time` gives the times.
-    clear_pitch, contact_pitch, larger_pitches : float, float or None, tuple of float
-        Pitches, m, certified by `first_contact`: without a contact, with one, and larger ones
-        without a contact.
+    pitch : float
+        The smallest pitch, m.
+    radius : float
+        Radius of the circle, m.
+    march : March
+        The march at the smallest pitch.
+    benches : tuple or None
+        The two benches that touch, the smaller number first; None where the pitch is limited by the
+        circle, on which the head starts.
+    point : tuple or None
+        The contact point, m; None where no benches touch.
+    distance : float
+        Distance travelled by handle 0 at the contact, m, to some micrometres; `march.time` gives
+        the time.
+    arrival_distance : float
+        Distance travelled by handle 0 at the circle, m.
+    clear_pitch : float
+        Pitch certified by `first_contact` to be without a contact, m.
+    contact_pitch : float or None
+        Pitch certified to have a contact, m; None where no benches touch.
+    larger_pitches : tuple of float
+        Larger pitches certified to be without a contact, m.
     """
 
     pitch: float
@@ -102,36 +116,37 @@ class MinPitch(Result):
             limit = text("benches {i} and {j} touch at t = {time:.4f} s at ({x:.4f}, {y:.4f}) m")
             limit = limit.format(i=i, j=j, time=time, x=x, y=y)
             certified = text("no contact at {clear:.12f} m, but one at {contact:.12f} m")
+
         certified = certified.format(clear=self.clear_pitch, contact=self.contact_pitch)
         larger = text("none at {count} larger pitches up to {largest:.4f} m")
         larger = larger.format(count=len(self.larger_pitches), largest=self.larger_pitches[0])
         return [
             first.format(pitch=self.pitch, radius=self.radius),
-            *labelled("", text("after {time:.3f} s").format(time=arrival)),
-            *labelled(text("limit:"), limit),
-            *labelled(text("certified:"), f"{certified}\n{larger}"),
+            labelled("", text("after {time:.3f} s").format(time=arrival)),
+            labelled(text("limit:"), limit),
+            labelled(text("certified:"), f"{certified}\n{larger}"),
         ]
 
     def _draw(self) -> Figure:
         """The head and the benches around it at the contact, or at the start on the circle."""
         from pymunk_dragon.drawing.figures import style
 
-        title = text("At a pitch of {:.6f} m the head starts on the circle itself").format(
-            self.pitch
-        )
+        title = text("At a pitch of {:.6f} m the head starts on the circle itself")
         if self.benches is not None:
-            title = text("At a pitch of {:.6f} m benches {} and {} just touch").format(
-                self.pitch, *self.benches
-            )
+            title = text("At a pitch of {:.6f} m benches {} and {} just touch")
+        title = title.format(self.pitch, *(self.benches or ()))
         aim = text(
             "the smallest pitch at which handle 0 reaches the circle of {:g} m without a contact"
         )
         figure = style.slide(title, aim.format(self.radius))
         axes = style.panels(figure)
+
         states = self.march.at(self.march.time(self.distance))
-        for bench, outline in enumerate(self.march.dragon.outlines(states.poses[0])):
+        outlines = self.march.dragon.outlines(states.poses[0])
+        for bench, outline in enumerate(outlines):
             face = style.COLOURS.head if bench == 0 else style.SHARED
             axes.fill(*outline.T, fc=face, ec=style.QUIET, lw=0.8, gid=f"bench-{bench}")
+
         x, y = self.point or states.positions[0, 0].tolist()
         axes.plot(x, y, "o", mec=style.COLOURS.contact, mfc="none", mew=2.0, ms=16, gid="contact")
         half = 0.7 * float(self.march.dragon.lengths[0])
@@ -141,38 +156,35 @@ class MinPitch(Result):
 
 
 class _InwardMarch:
-    """March at 1 m/s from a turn of a spiral inward to a circle, and its certified first contact before the circle."""
+    """March at 1 m/s inward from a turn of a spiral to a circle, with its first contact."""
 
     def __init__(self, dragon: Dragon, pitch: float, turns: float, radius: float) -> None:
-        self.pitch, spiral = pitch, Spiral(pitch=pitch)
+        self.pitch = pitch
+        spiral = Spiral(pitch=pitch)
         self.march = March(dragon, spiral, turns=turns)
         self.length = _length(spiral, turns, radius)
         self.found = first_contact(self.march, until=self.length)
         self.clear = self.found.status == "clear"
-        touching = () if self.found.benches is None else (self.found.benches,)
         # Benches that touch or have a near miss.
-        self.near = {*touching, *(miss.benches for miss in self.found.near_misses or ())}
+        self.near = {miss.benches for miss in self.found.near_misses or ()}
+        if self.found.benches is not None:
+            self.near.add(self.found.benches)
 
     def separations(self, benches: tuple[int, int], travelled: list[float]) -> Separation:
         """Separations (T,) of two benches at distances (T,) of the head, m."""
-        outlines = as_vectors(
-            self.march.dragon.outlines_between(
-                self.march.motion(travelled, max(benches) + 2).points
-            )
-        )
+        motion = self.march.motion(travelled, max(benches) + 2)
+        outlines = as_vectors(self.march.dragon.outlines_between(motion.points))
         return separation(*(outlines[:, bench] for bench in benches))
 
     def gap(self, benches: tuple[int, int]) -> tuple[float, float]:
-        """The smallest gap of two benches among near misses and both ends, m, and the head's distance there, m."""
+        """The smallest gap of two benches among near misses and both ends, and its distance, m."""
         ends = [0.0, self.length]
-        misses = [
-            (miss.gap, miss.time)
-            for miss in self.found.near_misses or ()
-            if miss.benches == benches
-        ]
-        return min(
-            *misses, *zip(self.separations(benches, ends).distance.tolist(), ends, strict=True)
-        )
+        gaps = self.separations(benches, ends).distance.tolist()
+        found = list(zip(gaps, ends, strict=True))
+        for miss in self.found.near_misses or ():
+            if miss.benches == benches:
+                found.append((miss.gap, miss.time))
+        return min(found)
 
 
 def min_pitch(
@@ -189,8 +201,10 @@ def min_pitch(
     ----------
     dragon : Dragon, optional
         The dragon; by default the contest's.
-    turns, speed
-        As in `March`.
+    turns : float
+        Turn of the spiral from which the head starts, as in `March`.
+    speed : float
+        Speed of the head, m/s, as in `March`.
     radius : float
         Radius of the circle, m.
     progress : callable, optional
@@ -224,16 +238,17 @@ def min_pitch(
     speed = finite("speed", speed, MIN_SPEED, MAX_SPEED, "m/s")
     # Inside the longest spacing a handle may have no position, and beyond the largest start there
     # is no spiral.
-    radius = finite(
-        "radius", radius, float(dragon.spacings.max()), min(_MAX_RADIUS, MAX_PITCH * turns), "m"
-    )
+    largest = min(_MAX_RADIUS, MAX_PITCH * turns)
+    radius = finite("radius", radius, float(dragon.spacings.max()), largest, "m")
     # Turns are not closer than the width, and the start is not inside the circle.
     narrowest = max(float(dragon.widths.max()) * _MIN_PITCH_RATIO, radius / turns)
 
     def inward(pitch: float) -> _InwardMarch:
         return _InwardMarch(dragon, pitch, turns, radius)
 
-    pitches, blocked = _pitches(dragon, radius, narrowest), None
+    # Pitches from the widest one down to the first with a contact.
+    pitches = _pitches(dragon, radius, narrowest)
+    blocked = None
     clear: list[_InwardMarch] = []
     for done, pitch in enumerate(pitches, 1):
         march = inward(pitch + _CERTIFIED)
@@ -242,18 +257,20 @@ def min_pitch(
             blocked = march
             break
         clear.append(march)
+
     if not clear:
-        raise ParameterError(
-            "body_spacing",
-            dragon.body_spacing,
-            "long enough for benches not to touch on the circle",
-        )
+        long = "long enough for benches not to touch on the circle"
+        raise ParameterError("body_spacing", dragon.body_spacing, long)
     if blocked is None and narrowest > radius / turns:
         short = "so many, and so long, that the dragon can run into itself outside the circle"
         raise ParameterError("benches", dragon.benches, short)
-    limit, free = narrowest, clear[-1]
+
+    # Without a contact the circle limits the pitch.
+    limit = narrowest
+    free = clear[-1]
     touching: dict[str, Any] = {}
     if blocked is not None:
+        # Two marches above the limit, of which there may be only one so far, and one below.
         limit, free, blocked = _limit(inward, clear[-2:][0], free, blocked)
         benches = blocked.found.benches or (0, 0)
         distance = free.gap(benches)[1]
@@ -264,6 +281,7 @@ def min_pitch(
             "distance": distance,
             "contact_pitch": blocked.pitch,
         }
+
     progress(1, 1)
     spiral = Spiral(pitch=limit)
     return MinPitch(
@@ -284,15 +302,15 @@ def _length(spiral: Spiral, turns: float, radius: float) -> float:
 
 
 def _pitches(dragon: Dragon, radius: float, narrowest: float) -> list[float]:
-    """Pitches in m from one at which turns are out of each other's reach down to the narrowest one."""
+    """Pitches, m, from one at which turns are out of each other's reach down to the narrowest."""
     half = dragon.spacings / 2
     # How far benches with handles on the circle reach beyond it, and into it.
     middle = np.sqrt(radius**2 - half**2)
     beyond = np.hypot(half + dragon.overhangs, middle + dragon.widths / 2) - radius
     into = radius - middle + dragon.widths / 2
     widest = max(_PITCH_RATIO * narrowest, float(beyond.max() + into.max()))
-    count = math.ceil(math.log(widest / narrowest) / math.log(_PITCH_RATIO)) + 1
-    return [*np.geomspace(widest, narrowest, count).tolist()]
+    steps = math.ceil(math.log(widest / narrowest, _PITCH_RATIO))
+    return [*np.geomspace(widest, narrowest, steps + 1).tolist()]
 
 
 def _limit(
@@ -301,22 +319,28 @@ def _limit(
     free: _InwardMarch,
     blocked: _InwardMarch,
 ) -> tuple[float, _InwardMarch, _InwardMarch]:
-    """The pitch at which two benches touch, m, and marches just above and below it, from two above and one below.
+    """The pitch at which two benches touch, m, and marches just above and below it.
 
-    The secant method on the gap of the benches that touch first as the pitch falls, and bisection
+    `wider` and `free` are marches above the limit, and `blocked` is one below. The method is the
+    secant method on the gap of the benches that touch first as the pitch falls, and bisection
     without such benches.
     """
     for _ in range(_MAX_STEPS):
-        zeros = (_zero(wider, free, benches) for benches in {*free.near, *blocked.near})
-        middle = (blocked.pitch + free.pitch) / 2
-        pitch = max((zero for zero in zeros if blocked.pitch < zero < free.pitch), default=middle)
+        zeros = [_zero(wider, free, benches) for benches in free.near | blocked.near]
+        inside = [zero for zero in zeros if blocked.pitch < zero < free.pitch]
+        # Bisection where no gap has a zero between both marches.
+        pitch = max(inside, default=(blocked.pitch + free.pitch) / 2)
         if free.pitch - blocked.pitch < 3 * _CERTIFIED:
             return pitch, free, blocked
+
         # Marches ever closer above the limit, whose gaps are known, and at last one below it.
-        above = max(_CERTIFIED, _MARGIN * (free.pitch - pitch))
-        march = inward(pitch + (above if free.pitch - pitch > 2 * _CERTIFIED else -_CERTIFIED))
+        offset = -_CERTIFIED
+        if free.pitch - pitch > 2 * _CERTIFIED:
+            offset = max(_CERTIFIED, _MARGIN * (free.pitch - pitch))
+        march = inward(pitch + offset)
         if march.clear:
-            wider, free = free, march
+            wider = free
+            free = march
         else:
             blocked = march
     raise DragonError(
@@ -325,6 +349,7 @@ def _limit(
 
 
 def _zero(wider: _InwardMarch, free: _InwardMarch, benches: tuple[int, int]) -> float:
-    """The pitch at which the gap of two benches is zero, m, by its values at two pitches; nan if these are equal."""
-    gap, before = free.gap(benches)[0], wider.gap(benches)[0]
+    """The pitch at which a gap is zero, m, by its values at two pitches; nan if these are equal."""
+    gap, _ = free.gap(benches)
+    before, _ = wider.gap(benches)
     return free.pitch - gap * (wider.pitch - free.pitch) / (before - gap or math.nan)

@@ -1,7 +1,7 @@
 """Derivatives of the first contact's time and of the smallest pitch by every size of the benches.
 
-They are central differences of the exact answers, accurate to 1e-7 s or mm for each millimetre.
-Where other benches touch within a step, there is no derivative.
+The method is central differences of the exact answers, accurate to 1e-7 s or mm for each
+millimetre. Where other benches touch within a step, there is no derivative.
 """
 
 from __future__ import annotations
@@ -36,12 +36,16 @@ class Sensitivity(Result):
 
     Attributes
     ----------
-    contact, smallest : FirstContact, MinPitch
-        The first contact and the smallest pitch.
-    times, pitches : dict
-        Derivatives of the first contact's time, s per m, by each of the `_SIZES`, and of the
-        smallest pitch, m per m; None where other benches touch, or none, within a hundredth of a
-        millimetre. Where the benches differ, all change by the same amount.
+    contact : FirstContact
+        The first contact.
+    smallest : MinPitch
+        The smallest pitch.
+    times : dict
+        Derivatives of the first contact's time, s per m, by each of the `_SIZES`; None where other
+        benches touch, or none, within a hundredth of a millimetre. Where the benches differ, all
+        change by the same amount.
+    pitches : dict
+        Derivatives of the smallest pitch, m per m, in the same form.
     """
 
     contact: FirstContact
@@ -51,7 +55,8 @@ class Sensitivity(Result):
 
     def to_dict(self) -> dict[str, Any]:
         """Values in SI units, as `study sensitivity --json` prints them."""
-        contact, smallest = self.contact, self.smallest
+        contact = self.contact
+        smallest = self.smallest
         return {
             "contact": {"time": contact.time, "benches": contact.benches, "slopes": self.times},
             "smallest_pitch": {
@@ -65,9 +70,9 @@ class Sensitivity(Result):
         time = text("first contact at t = {time:.9f} s").format(time=self.contact.time)
         pitch = text("smallest pitch {pitch:.12f} m").format(pitch=self.smallest.pitch)
         heads = (text("size"), text("s per mm"), text("mm per mm"))
-        flags = {name: name.replace("_", "-") for name in self.times}
+        labels = [name.replace("_", "-") for name in self.times]
         per_mm = [None if slope is None else slope / 1e3 for slope in self.times.values()]
-        rows = zip(map(text, flags.values()), per_mm, self.pitches.values(), strict=True)
+        rows = zip(map(text, labels), per_mm, self.pitches.values(), strict=True)
         return [time, pitch, *table(heads, ("<13", "+10.7f", "+10.7f"), rows)]
 
 
@@ -86,10 +91,14 @@ def sensitivity(
     ----------
     dragon : Dragon, optional
         The dragon; by default the contest's.
-    pitch
-        As in `Spiral`, for the first contact, without which a `ParameterError` is raised.
-    turns, speed, radius
-        As in `min_pitch`.
+    pitch : float
+        Pitch of the spiral for the first contact, m; a `ParameterError` if there is no contact.
+    turns : float
+        Turn of the spiral from which the head starts, as in `min_pitch`.
+    speed : float
+        Speed of the head, m/s, as in `min_pitch`.
+    radius : float
+        Radius of the circle, m, as in `min_pitch`.
     progress : callable, optional
         Called with the number of sizes that are done and the number of all.
 
@@ -112,12 +121,13 @@ def sensitivity(
     contact, smallest = answers("width", 0.0)
     if contact.status != "contact":
         raise ParameterError("pitch", pitch, "one at which the dragon runs into itself")
-    times, pitches = dict[str, float | None](), dict[str, float | None]()
+
+    times: dict[str, float | None] = {}
+    pitches: dict[str, float | None] = {}
     for done, name in enumerate(_SIZES, 1):
-        (contact_before, before), (contact_after, after) = (
-            answers(name, -_STEP),
-            answers(name, _STEP),
-        )
+        contact_before, before = answers(name, -_STEP)
+        contact_after, after = answers(name, _STEP)
+        # There is no derivative where other benches touch within a step.
         same = contact_before.benches == contact_after.benches == contact.benches
         times[name] = (contact_after.time - contact_before.time) / (2 * _STEP) if same else None
         same = before.benches == after.benches == smallest.benches
