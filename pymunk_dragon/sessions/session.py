@@ -91,9 +91,8 @@ class Session:
 
         self._holds = Holds()
         self._event_limit = EventLimit()
-        # Whether a step was made, and its error, for a program that makes the steps itself.
+        # Whether a step was made, for a program that makes the steps itself.
         self._step_made = False
-        self._step_error: Exception | None = None
         # Time that the last step took, s.
         self._step_seconds = 0.0
 
@@ -141,11 +140,6 @@ class Session:
             if self._step_made:
                 break
             self._wait(seconds)
-
-        error = self._step_error
-        self._step_error = None
-        if error is not None:
-            raise error
 
     def stop(self) -> None:
         """End the thread, and what clients see.
@@ -263,24 +257,29 @@ class Session:
     def _step(self) -> None:
         scene = self.scene
         begin = self.clock.read()
-        with self._watched(own_step=scene.manual):
-            if self._replay is not None:
-                # A replay does not pause where the scene stops: the recorded session went on there.
-                difference = self._replay.step(scene, self._recording)
-                if difference is not None:
-                    self.clock.pause()
-                    self._end_replay(difference)
-            else:
-                scene.advance()
-                if scene.stops:
-                    self.clock.pause()
-            scene.stops = False
+        try:
+            with self._watched(raises=scene.manual):
+                self._advance()
+                self._step_seconds = self.clock.read() - begin
+                self._tell_events(begin)
+        finally:
+            self.clock.step_was_made(scene.step_length)
+            self._step_made = True
 
-            self._step_seconds = self.clock.read() - begin
-            self._tell_events(begin)
-
-        self.clock.step_was_made(scene.step_length)
-        self._step_made = True
+    def _advance(self) -> None:
+        """Make a step of the scene or of a replay, and pause where it stops."""
+        scene = self.scene
+        if self._replay is None:
+            scene.advance()
+            if scene.stops:
+                self.clock.pause()
+        else:
+            # A replay does not pause where the scene stops: the recorded session went on there.
+            difference = self._replay.step(scene, self._recording)
+            if difference is not None:
+                self.clock.pause()
+                self._end_replay(difference)
+        scene.stops = False
 
     def _end_replay(self, result: float | DragonError | None) -> None:
         """End a replay, if there is one, with the difference of its last poses or an error."""
@@ -293,24 +292,24 @@ class Session:
             self._replayed.set_result(result)
 
     @contextmanager
-    def _watched(self, answer: _Answer | None = None, own_step: bool = False) -> Iterator[None]:
+    def _watched(self, answer: _Answer | None = None, raises: bool = False) -> Iterator[None]:
         """Context in which an error pauses the session, and is shown to clients.
 
-        An error of this package's goes to `answer`, if there is one. An error in a step of a
-        program that makes the steps itself is kept for that program.
+        An error of this package's goes to `answer`, if there is one. An error that
+        `raises` is also raised, in a step of a program that makes the steps itself.
         """
         try:
             with callbacks_raise():
                 yield
         except Exception as error:
             failure = _described(error)
-            if own_step:
-                self._step_error = error
             if answer is not None and isinstance(error, DragonError):
                 answer(failure)
             # An error is sent once, and not again in each frame of a session that it paused.
             elif self.clients.tell_failure(failure):
                 self._fail(error)
+            if raises:
+                raise
 
     def _fail(self, error: Exception) -> None:
         """Pause at an error, and end a replay."""
