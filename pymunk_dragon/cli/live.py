@@ -61,8 +61,9 @@ def live(
         library("aiohttp")
 
     path = destination_of(output, [".json"])
-    log = None if replay is None else load_log(replay)
-    if log is not None:
+    log = None
+    if replay is not None:
+        log = load_log(replay)
         source = recorded_scene(log["plan"])
     elif own:
         source = march_scene(chosen_march(), start=start)

@@ -34,7 +34,7 @@ from pymunk_dragon.sessions.messages import (
     UntilContact,
     Waiting,
 )
-from pymunk_dragon.sessions.replay import MAX_INPUTS, Log, Recording, Replay
+from pymunk_dragon.sessions.replay import MAX_INPUTS, Log, Recording, play_again
 from pymunk_dragon.sessions.restore import callbacks, discard
 from pymunk_dragon.sessions.scene import Scene
 from pymunk_dragon.sessions.scenes import SCENES, SceneSource, named_scene
@@ -96,7 +96,8 @@ class Session:
         # Time that the last step took, s.
         self._step_seconds = 0.0
 
-        self._replay: Replay | None = None
+        # Makes the steps of a replay.
+        self._replay: Iterator[float | None] | None = None
         # The result of the replay; None if it does not come to its end, or there is none.
         self._replayed: Future[float | None] = Future()
         # Prepares the space of the scene for being freed.
@@ -104,7 +105,7 @@ class Session:
 
         self._build(source, self._first)
         if log:
-            self._replay = Replay(log)
+            self._replay = play_again(log, self.scene, self._recording)
         else:
             self._replayed.set_result(None)
 
@@ -275,7 +276,7 @@ class Session:
                 self.clock.pause()
         else:
             # A replay does not pause where the scene stops: the recorded session went on there.
-            difference = self._replay.step(scene, self._recording)
+            difference = next(self._replay)
             if difference is not None:
                 self.clock.pause()
                 self._end_replay(difference)
@@ -415,7 +416,7 @@ class Session:
 
     def _build(self, source: SceneSource, values: Mapping[str, float]) -> None:
         """Begin anew with values of sliders; the old scene stays if the new one cannot be built."""
-        self.clients.tell_building()
+        self.clients.tell({"kind": "building"})
         try:
             scene = source.build(values)
         except Exception:

@@ -11,7 +11,6 @@ from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 from functools import partial as partial_of
 from importlib.metadata import version
-from itertools import filterfalse
 from multiprocessing import active_children, get_context, parent_process
 from multiprocessing.spawn import get_executable
 from pathlib import Path
@@ -157,9 +156,9 @@ def _outcomes(
             running[future := submit(call, at)] = number
             future.add_done_callback(done.put)
             if len(running) >= _MAX_RUNNING:
-                yield _finished(running, done)
+                yield from _finished(running, done)
         while running:
-            yield _finished(running, done)
+            yield from _finished(running, done)
     except Exception as error:  # Whatever an executor raises.
         reason = f"{type(error).__name__}: {error}"
         raise DragonError(f"a worker was lost, or did not start: {reason}") from error
@@ -167,16 +166,14 @@ def _outcomes(
 
 def _finished(
     running: dict[Future[Outcome], int], done: SimpleQueue[Future[Outcome]]
-) -> dict[int, Outcome]:
-    """Remove futures that are done, and return their outcomes.
-
-    Raises the error of one if all have errors.
-    """
+) -> Iterator[dict[int, Outcome]]:
+    """Remove futures that are done; yields their outcomes, and then raises the error of one."""
     found = [done.get(), *(done.get() for _ in range(done.qsize()))]
-    chosen = list(filterfalse(Future.exception, found)) or found
-    for future in set(found).difference(chosen):
-        done.put(future)
-    return {running.pop(future): future.result() for future in chosen}
+    outcomes = {running.pop(each): each.result() for each in found if not each.exception()}
+    if outcomes:
+        yield outcomes
+    for each in found:
+        each.result()
 
 
 def _pool(
