@@ -9,7 +9,6 @@ from typing import Any
 
 import click
 
-from pymunk_dragon._extras import library
 from pymunk_dragon._language import text
 from pymunk_dragon.cli.options import (
     address_options,
@@ -57,8 +56,6 @@ def live(
         raise click.UsageError(f"{rule}: leave out the other options")
     if ends and replay is None:
         raise click.UsageError("--exit ends a replay: give a recording with --replay")
-    if not ends:
-        library("aiohttp")
 
     path = destination_of(output, [".json"])
     log = None

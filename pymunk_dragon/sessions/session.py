@@ -252,8 +252,7 @@ class Session:
         """Wait so many s, or for a message."""
         # Without this pause, a program that waits for `held` would get it late, or never.
         sleep(0)
-        if seconds > 0:
-            self._waiting.wait(min(seconds, _MAX_WAIT))
+        self._waiting.wait(min(seconds, _MAX_WAIT))
 
     def _step(self) -> None:
         scene = self.scene

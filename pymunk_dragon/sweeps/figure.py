@@ -131,9 +131,11 @@ def _draw_map(axes: Axes, x: Array, y: Array, values: Array, labels: Sequence[st
     heights = corners[:, 0, 1]
 
     line: dict[str, Any] = {"color": COLOURS.ink, "lw": 0.9, "gid": "jumps"}
-    i, j = np.nonzero(names[:, 1:] != names[:, :-1])
+    differs = names[:, 1:] != names[:, :-1]
+    i, j = np.nonzero(differs)
     axes.vlines(sides[j + 1], heights[i], heights[i + 1], **line)
-    i, j = np.nonzero(names[1:] != names[:-1])
+    differs = names[1:] != names[:-1]
+    i, j = np.nonzero(differs)
     axes.hlines(heights[i + 1], sides[j], sides[j + 1], **line)
 
     for name in dict.fromkeys(labels):

@@ -20,7 +20,7 @@ from time import perf_counter
 from typing import Any
 from zlib import crc32
 
-from pymunk_dragon._checks import flag, function, instances, label, whole
+from pymunk_dragon._checks import flag, function, instance, instances, whole
 from pymunk_dragon._extras import library
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.model.march import March
@@ -181,10 +181,8 @@ def _pool(
 ) -> AbstractContextManager[_Submit]:
     """A context with the method `submit` of the executor that these arguments of `sweep` mean."""
     count = whole("workers", _CORES if workers is None else workers, 1, _MAX_WORKERS)
-    if not isinstance(executor, Executor | None):
-        raise ParameterError("executor", executor, "a concurrent.futures.Executor")
+    instance("executor", executor, Executor | None, "a concurrent.futures.Executor")
     if scheduler is not None:
-        label("scheduler", scheduler)
         return _cluster(library("distributed"), scheduler)
     return nullcontext(executor.submit) if executor else _processes(count)
 
