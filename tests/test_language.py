@@ -102,7 +102,7 @@ def test_language_is_an_option_or_of_the_environment(call, monkeypatch):
     monkeypatch.setenv("PYMUNK_DRAGON_LANG", "fr")
     code, _, err = call("positions")
     assert code == 2
-    assert "lang is 'fr', but must be one of en, zh" in err
+    assert "PYMUNK_DRAGON_LANG is 'fr', but must be one of en, zh" in err
     assert "--lang" not in err
 
 

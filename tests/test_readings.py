@@ -448,7 +448,7 @@ def gap(world):
 def test_slider_of_the_step_does_not_jolt_a_dragon_that_only_the_head_pulls(factor):
     scene = march_scene(March(Dragon(benches=120))).build({})
     scene.contacts("report")
-    scene.release(1)
+    scene.world.release(1)
     for _ in range(300):
         scene.advance()
     before = scene.world.joint_forces.max()

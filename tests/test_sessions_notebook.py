@@ -22,6 +22,7 @@ from live_sessions import PATIENCE, decoded, played
 if find_spec("anywidget") is None:
     pytest.skip("no anywidget: pip install 'pymunk-dragon[notebook]'", allow_module_level=True)
 
+from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.sessions import live
 from pymunk_dragon.sessions import widget as widgets
 
@@ -235,6 +236,14 @@ def test_notebook_opens_a_port_only_for_the_address(monkeypatch, capsys):
         patch.setitem(sys.modules, "anywidget", None)
         with live("pendulum", browser=False) as session:
             assert session.address in session._repr_mimebundle_()["text/html"]
+
+
+def test_port_that_no_computer_has_is_refused_in_a_notebook_too(monkeypatch):
+    python = SimpleNamespace(get_ipython=lambda: SimpleNamespace(kernel=object()))
+    monkeypatch.setitem(sys.modules, "IPython", python)
+    for port in (65536, -1, "8000"):
+        with pytest.raises(ParameterError, match="port"), live("pendulum", port=port):
+            pytest.fail("a session was started")
 
 
 # ---- in JupyterLab

@@ -9,7 +9,6 @@ from typing import Any
 
 import click
 
-from pymunk_dragon._extras import library
 from pymunk_dragon._language import text
 from pymunk_dragon.cli.options import (
     address_options,
@@ -57,12 +56,11 @@ def live(
         raise click.UsageError(f"{rule}: leave out the other options")
     if ends and replay is None:
         raise click.UsageError("--exit ends a replay: give a recording with --replay")
-    if not ends:
-        library("aiohttp")
 
     path = destination_of(output, [".json"])
-    log = None if replay is None else load_log(replay)
-    if log is not None:
+    log = None
+    if replay is not None:
+        log = load_log(replay)
         source = recorded_scene(log["plan"])
     elif own:
         source = march_scene(chosen_march(), start=start)

@@ -60,14 +60,16 @@ class _Command(click.Command):
         super().__init__(*arguments, **others)
         self.epilog = epilog_of([f"{self.name} {example}" for example in examples])
         # The values of the options of a scenario are not arguments of the function.
-        self.params = sorted([*self.params, _LANGUAGE], key=lambda option: not option.expose_value)
+        own = sorted(self.params, key=lambda option: not option.expose_value)
+        self.params = [*own, _LANGUAGE]
 
     def invoke(self, ctx: click.Context) -> Any:
-        """Run the command without the values of --json and --scenario, which others use."""
+        """Run the command in its language, without the values of options that others use."""
         ctx.meta["json"] = ctx.params.pop("json", None)
         ctx.meta["file"] = ctx.params.pop("scenario", None)
         try:
-            return super().invoke(ctx)
+            with in_language(ctx.params.pop("lang")):
+                return super().invoke(ctx)
         except ParameterError as error:
             name = _source_of(error)
             if error.value is None:
@@ -89,17 +91,12 @@ def epilog_of(examples: Sequence[str]) -> str:
 def flags_given(*names: str) -> list[str]:
     """Flags of those of the options `names` that were given on the command line."""
     context = click.get_current_context()
-    return [
-        option.opts[0]
-        for option in context.command.params
-        if option.name in names and _is_given(context, option)
-    ]
-
-
-def _is_given(context: click.Context, option: click.Parameter) -> bool:
-    """Whether the value of an option is from the command line, and not from the environment."""
-    source = context.get_parameter_source(str(option.name))
-    return source is click.core.ParameterSource.COMMANDLINE
+    flags = []
+    for option in context.command.params:
+        source = context.get_parameter_source(str(option.name))
+        if option.name in names and source is click.core.ParameterSource.COMMANDLINE:
+            flags.append(option.opts[0])
+    return flags
 
 
 def _source_of(error: ParameterError) -> str:
@@ -116,10 +113,10 @@ def _source_of(error: ParameterError) -> str:
         if name in file_values():
             return f"{error.name} in {file}"
 
-    # A default, or a value without an option.
+    # A value of the environment, a default, or a value without an option.
     for each in context.command.params:
         if each.name == name:
-            return each.opts[0]
+            return str(each.envvar or each.opts[0])
         if isinstance(each, click.Argument) and str(each.name).startswith(name):
             return str(each.metavar).strip("[].")
 
@@ -161,23 +158,11 @@ address_options = option_group(
 )
 
 
-def _set_language(context: click.Context, option: click.Parameter, value: str) -> None:
-    """Set the language until the end of the command."""
-    try:
-        context.with_resource(in_language(value))
-    except ParameterError as error:
-        if _is_given(context, option):
-            raise ParameterError(option.opts[0], error.value, error.bound) from error
-        raise
-
-
 _LANGUAGE = click.Option(
-    ["--lang", "language"],
+    ["--lang"],
     metavar="LANG",
     default="en",
     envvar="PYMUNK_DRAGON_LANG",
-    expose_value=False,
-    callback=_set_language,
     help="Language of results: en or zh.  [PYMUNK_DRAGON_LANG of the environment, or en]",
 )
 json_option = click.option("--json", is_flag=True, help="Print one JSON object and nothing else.")

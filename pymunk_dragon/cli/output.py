@@ -30,8 +30,8 @@ def destination_of(output: str | None, endings: Iterable[str]) -> Path | None:
     if output is None:
         return None
     path = check_destination(output, endings)
-    if path.suffix.lower() in _LIBRARIES:
-        library(_LIBRARIES[path.suffix.lower()])
+    if needed := _LIBRARIES.get(path.suffix.lower()):
+        library(needed)
     return path
 
 

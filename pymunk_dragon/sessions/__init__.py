@@ -3,7 +3,7 @@
 `pip install 'pymunk-dragon[live]'`, and then
 
 ```sh
-pymunk-dragon live              # the dragon; or live unguided, near-miss, jam, pendulum, cradle, boxes ...
+pymunk-dragon live  # the dragon; or live unguided, near-miss, jam, pendulum, cradle, boxes ...
 pymunk-dragon live --benches 40 --pitch 0.45 --record session.json
 ```
 

@@ -98,13 +98,9 @@ class Clients:
             for client in self._all:
                 client.tell(message)
 
-    def tell_building(self) -> None:
-        """Send that a scene is being built; `tell_scene` follows."""
-        self._state = None
-        self.tell({"kind": "building"})
-
     def tell_scene(self, description: dict[str, Any] | None = None) -> None:
         """Send what describes the scene, also to those that join later; by default, again."""
+        self._state = None
         self._description = description or self._description
         self.tell(self._description)
 

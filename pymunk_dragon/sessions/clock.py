@@ -36,8 +36,7 @@ class Clock:
 
     def pause(self) -> None:
         """Let no step be due."""
-        self.running = False
-        self.single_steps = 0
+        self.step(0)
 
     def step(self, count: int) -> None:
         """Let so many steps be due at once, and none afterwards."""

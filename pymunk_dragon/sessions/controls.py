@@ -89,21 +89,26 @@ class Slider:
         if self.logarithmic and self.low <= 0:
             raise ParameterError("low", self.low, "above 0 on a logarithmic scale")
         if self.value is not None:
-            value = finite("value", self.value, self.low, self.high, self.unit)
-            if self.whole and not value.is_integer():
-                raise ParameterError("value", self.value, "a whole number")
+            self._checked("value", self.value)
 
     def checked(self, value: object) -> float:
         """The value, if it is in the range, and whole if it has to be."""
-        number = finite(self.name, value, self.low, self.high, self.unit)
-        if self.whole and not number.is_integer():
-            raise ParameterError(self.name, value, "a whole number")
-        return int(number) if self.whole else number
+        return self._checked(self.name, value)
+
+    def _checked(self, name: str, value: object) -> float:
+        number = finite(name, value, self.low, self.high, self.unit)
+        if not self.whole:
+            return number
+        if not number.is_integer():
+            raise ParameterError(name, value, "a whole number")
+        return int(number)
 
 
-def slider_around(name: str, low: float, high: float, value: float, **options: Any) -> Slider:
-    """A slider whose range is wide enough for its value, which a space may have anywhere."""
-    return Slider(name, min(low, value), max(high, value), value, **options)
+def slider_around(
+    name: str, low: float, high: float, value: float, text: str, **options: Any
+) -> Slider:
+    """A slider with a text, whose range is wide enough for its value, wherever a space has it."""
+    return Slider(name, min(low, value), max(high, value), value, label=text, **options)
 
 
 @dataclass(frozen=True)

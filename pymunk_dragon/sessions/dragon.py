@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -88,37 +88,33 @@ class DragonScene(Scene):
         self.space.on_collision(post_solve=self._touch, data=True)
         self.contacts(contacts)
 
-    def _sliders(self) -> list[Slider]:
+    def _sliders(self) -> Iterator[Slider]:
         """The sliders of a dragon; sizes that differ from bench to bench have none."""
-        dragon = self.march.dragon
-        speed = self.world.top_speed
-        found: list[Slider] = []
-
-        def add(name: str, low: float, high: float, value: float, label: str, **how: Any) -> None:
-            found.append(slider_around(name, low, high, value, label=label, **how))
-
         # Properties of the engine.
         given = self._given
-        engine = {"action": self._apply, "logarithmic": True}
+        engine: dict[str, Any] = {"action": self._apply, "logarithmic": True}
+        speed = self.world.top_speed
         longest = 1e3 * MAX_STRIDE / speed
-        add("step", 0.5, longest, given["step"], "Time step", unit="ms", **engine)
-        add("iterations", 1, 200, given["iterations"], "Iterations", whole=True, **engine)
-        add("drag", 0.5, 50, given["drag"], "Ground drag", unit="1/m", **engine)
+        count = given["iterations"]
+        yield slider_around("step", 0.5, longest, given["step"], "Time step", unit="ms", **engine)
+        yield slider_around("iterations", 1, 200, count, "Iterations", whole=True, **engine)
+        yield slider_around("drag", 0.5, 50, given["drag"], "Ground drag", unit="1/m", **engine)
         about: dict[str, Any] = {"label": "Speed of the head", "unit": "m/s"}
-        found.append(Slider("speed", 0, 2 * speed, given["speed"], action=self._apply, **about))
+        yield Slider("speed", 0, 2 * speed, given["speed"], action=self._apply, **about)
 
         # Sizes, for which the dragon is built again.
+        dragon = self.march.dragon
+        size: dict[str, Any] = {"unit": "m", "rebuilds": True}
         pitch = getattr(self.march.curve, "pitch", None)
         if pitch:
             low = float(dragon.widths.max()) * 1.05
             high = 3 * max(pitch, 0.55)
-            found.append(Slider("pitch", low, high, pitch, label="Pitch", unit="m", rebuilds=True))
+            yield slider_around("pitch", low, high, pitch, "Pitch", **size)
         if dragon.has_equal_benches and isinstance(dragon.width, float):
             high = min(pitch or 0.6, 0.6) * 0.95
-            add("width", 0.05, high, dragon.width, "Width", unit="m", rebuilds=True)
-            count = dragon.benches
-            add("benches", 2, _MAX_BENCHES, count, "Benches", whole=True, rebuilds=True)
-        return found
+            yield slider_around("width", 0.05, high, dragon.width, "Width", **size)
+            number: dict[str, Any] = {"whole": True, "rebuilds": True}
+            yield slider_around("benches", 2, _MAX_BENCHES, dragon.benches, "Benches", **number)
 
     def _apply(self, *_: object) -> None:
         """Give the engine the values of the sliders."""
@@ -187,18 +183,11 @@ class DragonScene(Scene):
                 world.release(1)
                 world.hold()
 
-    def release(self, bench: int) -> None:
-        """Let the dancers of `bench` and of all behind it go."""
-        self.world.release(bench)
-
-    def hold(self) -> None:
-        """Bring the dancers back."""
-        self.world.hold()
-
     def cut(self, x: float, y: float, slip: float) -> None:
         """Cut the joint within `slip` of a point: it transmits no force any more."""
         found = joint_at(self.joints(), x, y, slip)
-        self.world.cut([pivot is found for pivot in self.world.pivots].index(True))
+        pivots: Sequence[pymunk.Constraint] = self.world.pivots
+        self.world.cut(pivots.index(found))
 
     def shapes(self) -> list[pymunk.Shape]:
         """The shapes of the benches; where two overlap, that of the lower number is on top."""

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import pymunk
 
-from pymunk_dragon._checks import finite, flag, function, instance, instances, label
+from pymunk_dragon._checks import finite, flag, function, instance, instances, label, whole
 from pymunk_dragon._extras import library
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March
@@ -26,6 +26,9 @@ from pymunk_dragon.sessions.session import MAX_STEP, Session
 
 if TYPE_CHECKING:
     from pymunk_dragon.sessions.server import Server
+
+# Ports have 16 bits.
+_MAX_PORT = 65_535
 
 
 class Live(AbstractContextManager["Live"]):
@@ -39,7 +42,10 @@ class Live(AbstractContextManager["Live"]):
     """
 
     def __init__(self, session: Session, *, browser: bool = False, **options: Any) -> None:
-        self._session, self._options = session, options
+        # Where there are widgets, the server may use the port much later.
+        whole("port", options["port"], 0, _MAX_PORT)
+        self._session = session
+        self._options = options
         if not _has_widgets() and self.address and browser:
             webbrowser.open(self.address)
         session.start()

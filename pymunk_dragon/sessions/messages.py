@@ -237,8 +237,8 @@ class Obstacle(Input):
 
     def __post_init__(self) -> None:
         word("shape", self.shape, ("round", "square"))
-        positive("size", self.size, math.inf, "")
-        self._check(MAX_COORDINATE, "x", "y", "size")
+        positive("size", self.size, MAX_COORDINATE, "")
+        self._check(MAX_COORDINATE, "x", "y")
 
     def apply(self, scene: Scene) -> None:
         """Change a scene."""
@@ -310,12 +310,11 @@ class Wheel(Input):
     up: float
 
     def __post_init__(self) -> None:
-        finite("right", self.right, -_MAX_NOTCHES, _MAX_NOTCHES, "notches")
-        finite("up", self.up, -_MAX_NOTCHES, _MAX_NOTCHES, "notches")
+        self._check(_MAX_NOTCHES, "right", "up")
 
     def apply(self, scene: Scene) -> None:
         """Change a scene."""
-        scene.wheel(self.right, self.up)
+        scene.pygame_events().wheel(self.right, self.up)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -347,7 +346,7 @@ class Release(Input):
 
     def apply(self, scene: Scene) -> None:
         """Change a scene."""
-        _dragon_of(scene, self).release(self.bench)
+        _dragon_of(scene, self).world.release(self.bench)
 
 
 class Hold(Input):
@@ -357,7 +356,7 @@ class Hold(Input):
 
     def apply(self, scene: Scene) -> None:
         """Change a scene."""
-        _dragon_of(scene, self).hold()
+        _dragon_of(scene, self).world.hold()
 
 
 _MESSAGES: tuple[type[Message], ...] = (

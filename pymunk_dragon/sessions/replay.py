@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections import deque
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -64,32 +63,24 @@ class Recording:
         }
 
 
-class Replay:
-    """Steps and inputs of a log, which are made again one step at a time."""
+def play_again(log: Log, scene: Scene, recording: Recording) -> Iterator[float | None]:
+    """Make the inputs and the steps of a log again; yields after each step.
 
-    def __init__(self, log: Log) -> None:
-        self._steps = log["steps"]
-        self._poses = log["poses"]
-        self._inputs = deque(log["inputs"])
-
-    def step(self, scene: Scene, recording: Recording) -> float | None:
-        """Make the next step, after the inputs before it.
-
-        After the last one, return the largest difference of the poses from those of the log, m or
-        rad.
-        """
-        while self._inputs and self._inputs[0][0] <= scene.steps:
-            _, message = self._inputs.popleft()
-            recording.apply(scene, read_input(message))
-
-        if self._inputs or scene.steps < self._steps:
+    In the end the largest difference of the poses from those of the log is yielded, m or rad.
+    """
+    for steps, message in log["inputs"]:
+        while scene.steps < steps:
             scene.advance()
-            return None
+            yield None
+        recording.apply(scene, read_input(message))
+    while scene.steps < log["steps"]:
+        scene.advance()
+        yield None
 
-        poses = scene.poses().tolist()
-        if len(poses) != len(self._poses):
-            raise DragonError("the recording has another number of bodies")
-        return float(np.abs(np.subtract(poses, self._poses)).max(initial=0.0))
+    poses = scene.poses().tolist()
+    if len(poses) != len(log["poses"]):
+        raise DragonError("the recording has another number of bodies")
+    yield float(np.abs(np.subtract(poses, log["poses"])).max(initial=0.0))
 
 
 def load_log(path: str | Path) -> Log:

@@ -40,18 +40,17 @@ class FirstState:
         self._has_begun = False
         self._callbacks = callbacks(space)
         self._added = list(space.bodies)
-        self._shapes = list(space.shapes)
         self._arguments = {joint: _arguments(joint) for joint in space.constraints}
         # Bodies of joints need not be in the space.
         ends = [body for joint in self._arguments for body in (joint.a, joint.b)]
         self._bodies = list(dict.fromkeys([space.static_body, *self._added, *ends]))
         self._asleep = [body for body in self._added if body.is_sleeping]
 
-        parts: list[Part] = [space, *self._bodies, *self._shapes, *self._arguments]
+        self._outlines = {shape: _outline(shape) for shape in space.shapes}
+        parts: list[Part] = [space, *self._bodies, *self._outlines, *self._arguments]
         self._properties = {part: _properties(part) for part in parts}
         # Attributes of the user's own.
         self._own = {part: _own_attributes(part) for part in parts}
-        self._outlines = {shape: _outline(shape) for shape in self._shapes}
         self._attached = {shape for body in self._bodies for shape in body.shapes}
 
     def begin(self) -> pymunk.Space:
@@ -73,14 +72,14 @@ class FirstState:
         self._detach()
         for shape, (radius, points) in self._outlines.items():
             _set_outline(shape, radius, points)
-        self._set_back(self._shapes)
+        self._set_back(list(self._outlines))
         self._set_back(self._bodies)
         for joint, arguments in self._arguments.items():
             # A joint keeps its impulse, and nan, for ever, unless its constructor is called again.
             _kind(joint).__init__(joint, *arguments)
         self._set_back(list(self._arguments))
 
-        space.add(*self._added, *self._shapes, *self._arguments)
+        space.add(*self._added, *self._outlines, *self._arguments)
         # A shape with a mass changes that of its body where it is added.
         self._set_back(self._bodies)
         self._restore_own_attributes()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from numbers import Real
 from typing import Any
@@ -62,7 +62,7 @@ class Scene:
     # What pictures and the page show of Pymunk's debug drawing; contacts are sent apart.
     drawn = DrawRecorder.DRAW_SHAPES | DrawRecorder.DRAW_CONSTRAINTS
 
-    def __init__(self, space: pymunk.Space, settings: PlaySettings = PlaySettings()) -> None:
+    def __init__(self, space: pymunk.Space, settings: PlaySettings) -> None:
         self.space = space
         self.settings = settings
         # Whether a program makes the steps itself, by `Live.step`.
@@ -93,7 +93,7 @@ class Scene:
         self._down = space.gravity.normalized() if space.gravity.length > 0 else down
 
         # The user's sliders come first, and replace those of the scene that have the same names.
-        known = self._sliders()
+        known = list(self._sliders())
         own = [each for each in controls if isinstance(each, Slider)]
         self.parameters = {each.name: each for each in [*own, *known, *own]}
         # A slider without a value begins with that of the space, or with its lowest one.
@@ -139,31 +139,23 @@ class Scene:
         before = self.step_length if self.steps else 0.0
         return next_length(before, self._chosen_length)
 
-    def _sliders(self) -> list[Slider]:
+    def _sliders(self) -> Iterator[Slider]:
         """The sliders that any space has."""
-        sliders = []
         # A program that makes the steps itself chooses their length.
         if not self.manual:
             ms = 1e3 * self.step_length
-            sliders.append(
-                Slider("step", ms / 10, 10 * ms, ms, label="Time step", unit="ms", logarithmic=True)
-            )
+            low = ms / 10
+            yield slider_around("step", low, 10 * ms, ms, "Time step", unit="ms", logarithmic=True)
 
         count = self.space.iterations
-        sliders.append(
-            slider_around(
-                "iterations", 1, 200, count, label="Iterations", logarithmic=True, whole=True
-            )
-        )
-
-        kept = self.space.damping
-        sliders.append(slider_around("damping", 0, 1, kept, label="Velocity kept in 1 s"))
+        scale: dict[str, Any] = {"logarithmic": True, "whole": True}
+        yield slider_around("iterations", 1, 200, count, "Iterations", **scale)
+        yield slider_around("damping", 0, 1, self.space.damping, "Velocity kept in 1 s")
 
         g = self.space.gravity.length
         if g != 0:
             unit = f"{self.settings.units}/s²"
-            sliders.append(Slider("gravity", 0, 3 * g, g, label="Gravity", unit=unit))
-        return sliders
+            yield slider_around("gravity", 0, 3 * g, g, "Gravity", unit=unit)
 
     def rebuilds(self, name: str) -> bool:
         """Whether a change of a slider builds the scene again."""
@@ -198,13 +190,10 @@ class Scene:
     def pointer(self, x: float, y: float, kind: str, button: int) -> None:
         """Pass the pointer to a pygame program, whose window has its origin at the upper left."""
         down = y if self.settings.y_down else self.field["size"][1] - y
-        self._pygame_events().pointer(x, down, kind, button)
+        self.pygame_events().pointer(x, down, kind, button)
 
-    def wheel(self, right: float, up: float) -> None:
-        """Pass a turn of the wheel to a pygame program: notches to the right, and up."""
-        self._pygame_events().wheel(right, up)
-
-    def _pygame_events(self) -> PygameEvents:
+    def pygame_events(self) -> PygameEvents:
+        """The keys and the mouse of a pygame program; an error is raised in other scenes."""
         if self.pygame is None:
             raise ParameterError("pointer", None, "sent to a program with PygameEvents")
         return self.pygame

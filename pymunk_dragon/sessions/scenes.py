@@ -159,8 +159,8 @@ def _scene(
     name: str, title: str, lesson: str | None = None, **settings: Any
 ) -> Callable[[Any], Any]:
     """A decorator that adds a scene, whose name stands in recordings."""
-    about: dict[str, Any] = {"name": name, "title": title, "lesson": lesson}
-    return partial(add, saved_as={"scene": name}, **about, **settings)
+    saved_as = {"scene": name}
+    return partial(add, name=name, title=title, lesson=lesson, saved_as=saved_as, **settings)
 
 
 @_scene("dragon", "The dragon")

@@ -34,7 +34,7 @@ from pymunk_dragon.sessions.messages import (
     UntilContact,
     Waiting,
 )
-from pymunk_dragon.sessions.replay import MAX_INPUTS, Log, Recording, Replay
+from pymunk_dragon.sessions.replay import MAX_INPUTS, Log, Recording, play_again
 from pymunk_dragon.sessions.restore import callbacks, discard
 from pymunk_dragon.sessions.scene import Scene
 from pymunk_dragon.sessions.scenes import SCENES, SceneSource, named_scene
@@ -91,13 +91,13 @@ class Session:
 
         self._holds = Holds()
         self._event_limit = EventLimit()
-        # Whether a step was made, and its error, for a program that makes the steps itself.
+        # Whether a step was made, for a program that makes the steps itself.
         self._step_made = False
-        self._step_error: Exception | None = None
         # Time that the last step took, s.
         self._step_seconds = 0.0
 
-        self._replay: Replay | None = None
+        # Makes the steps of a replay.
+        self._replay: Iterator[float | None] | None = None
         # The result of the replay; None if it does not come to its end, or there is none.
         self._replayed: Future[float | None] = Future()
         # Prepares the space of the scene for being freed.
@@ -105,7 +105,7 @@ class Session:
 
         self._build(source, self._first)
         if log:
-            self._replay = Replay(log)
+            self._replay = play_again(log, self.scene, self._recording)
         else:
             self._replayed.set_result(None)
 
@@ -141,11 +141,6 @@ class Session:
             if self._step_made:
                 break
             self._wait(seconds)
-
-        error = self._step_error
-        self._step_error = None
-        if error is not None:
-            raise error
 
     def stop(self) -> None:
         """End the thread, and what clients see.
@@ -257,30 +252,34 @@ class Session:
         """Wait so many s, or for a message."""
         # Without this pause, a program that waits for `held` would get it late, or never.
         sleep(0)
-        if seconds > 0:
-            self._waiting.wait(min(seconds, _MAX_WAIT))
+        self._waiting.wait(min(seconds, _MAX_WAIT))
 
     def _step(self) -> None:
         scene = self.scene
         begin = self.clock.read()
-        with self._watched(own_step=scene.manual):
-            if self._replay is not None:
-                # A replay does not pause where the scene stops: the recorded session went on there.
-                difference = self._replay.step(scene, self._recording)
-                if difference is not None:
-                    self.clock.pause()
-                    self._end_replay(difference)
-            else:
-                scene.advance()
-                if scene.stops:
-                    self.clock.pause()
-            scene.stops = False
+        try:
+            with self._watched(raises=scene.manual):
+                self._advance()
+                self._step_seconds = self.clock.read() - begin
+                self._tell_events(begin)
+        finally:
+            self.clock.step_was_made(scene.step_length)
+            self._step_made = True
 
-            self._step_seconds = self.clock.read() - begin
-            self._tell_events(begin)
-
-        self.clock.step_was_made(scene.step_length)
-        self._step_made = True
+    def _advance(self) -> None:
+        """Make a step of the scene or of a replay, and pause where it stops."""
+        scene = self.scene
+        if self._replay is None:
+            scene.advance()
+            if scene.stops:
+                self.clock.pause()
+        else:
+            # A replay does not pause where the scene stops: the recorded session went on there.
+            difference = next(self._replay)
+            if difference is not None:
+                self.clock.pause()
+                self._end_replay(difference)
+        scene.stops = False
 
     def _end_replay(self, result: float | DragonError | None) -> None:
         """End a replay, if there is one, with the difference of its last poses or an error."""
@@ -293,24 +292,24 @@ class Session:
             self._replayed.set_result(result)
 
     @contextmanager
-    def _watched(self, answer: _Answer | None = None, own_step: bool = False) -> Iterator[None]:
+    def _watched(self, answer: _Answer | None = None, raises: bool = False) -> Iterator[None]:
         """Context in which an error pauses the session, and is shown to clients.
 
-        An error of this package's goes to `answer`, if there is one. An error in a step of a
-        program that makes the steps itself is kept for that program.
+        An error of this package's goes to `answer`, if there is one. An error that
+        `raises` is also raised, in a step of a program that makes the steps itself.
         """
         try:
             with callbacks_raise():
                 yield
         except Exception as error:
             failure = _described(error)
-            if own_step:
-                self._step_error = error
             if answer is not None and isinstance(error, DragonError):
                 answer(failure)
             # An error is sent once, and not again in each frame of a session that it paused.
             elif self.clients.tell_failure(failure):
                 self._fail(error)
+            if raises:
+                raise
 
     def _fail(self, error: Exception) -> None:
         """Pause at an error, and end a replay."""
@@ -416,7 +415,7 @@ class Session:
 
     def _build(self, source: SceneSource, values: Mapping[str, float]) -> None:
         """Begin anew with values of sliders; the old scene stays if the new one cannot be built."""
-        self.clients.tell_building()
+        self.clients.tell({"kind": "building"})
         try:
             scene = source.build(values)
         except Exception:

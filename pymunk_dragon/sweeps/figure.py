@@ -121,15 +121,21 @@ def _draw_map(axes: Axes, x: Array, y: Array, values: Array, labels: Sequence[st
     cells[row, column] = values
     names = np.full(shape, "", dtype=object)
     names[row, column] = labels
-    sides = _edges(across)
-    heights = _edges(up)
+
     colours = LinearSegmentedColormap.from_list("sweep", list(_VALUES))
-    mesh = axes.pcolormesh(sides, heights, cells, cmap=colours, rasterized=True, gid="values")
+    look: dict[str, Any] = {"cmap": colours, "rasterized": True, "gid": "values"}
+    mesh = axes.pcolormesh(across, up, cells, shading="nearest", **look)
+
+    corners = np.array(mesh.get_coordinates())
+    sides = corners[0, :, 0]
+    heights = corners[:, 0, 1]
 
     line: dict[str, Any] = {"color": COLOURS.ink, "lw": 0.9, "gid": "jumps"}
-    i, j = np.nonzero(names[:, 1:] != names[:, :-1])
+    differs = names[:, 1:] != names[:, :-1]
+    i, j = np.nonzero(differs)
     axes.vlines(sides[j + 1], heights[i], heights[i + 1], **line)
-    i, j = np.nonzero(names[1:] != names[:-1])
+    differs = names[1:] != names[:-1]
+    i, j = np.nonzero(differs)
     axes.hlines(heights[i + 1], sides[j], sides[j + 1], **line)
 
     for name in dict.fromkeys(labels):
@@ -138,14 +144,6 @@ def _draw_map(axes: Axes, x: Array, y: Array, values: Array, labels: Sequence[st
             middle = x[inside].mean(), y[inside].mean()
             axes.text(*middle, name, ha="center", va="center", path_effects=halo(), gid="name")
     return mesh
-
-
-def _edges(middles: Array) -> Array:
-    """Edges (N + 1,) of cells about the sorted `middles` (N,)."""
-    between = (middles[1:] + middles[:-1]) / 2
-    first = 2 * middles[:1] - between[:1]
-    last = 2 * middles[-1:] - between[-1:]
-    return np.concatenate([first, between, last])
 
 
 def _label(cells: Sequence[Any]) -> str:

@@ -56,9 +56,7 @@ class PartialTable:
         *lines, unfinished = content.split(b"\n")
         if not lines and not self._description.startswith(unfinished):
             raise FileFormatError(path, "not the partial table of a sweep")
-        values = []
-        for number, line in enumerate(lines, start=1):
-            values.append(_decoded(path, line, number))
+        values = [_decoded(path, line, number) for number, line in enumerate(lines, start=1)]
         if lines:
             if lines[0] != self._description[:-1]:
                 reason = "of another sweep: its axes, scenario, quantity, code or version differ"

@@ -106,8 +106,8 @@ class Sweep(Result):
             self.write_figure(destination)
             return
         with written_in_place(destination) as draft:
-            lines = [f"{line}\n" for line in self.csv()]
-            draft.write_text("".join(lines), encoding="utf-8", newline="\n")
+            table = "\n".join([*self.csv(), ""])
+            draft.write_text(table, encoding="utf-8", newline="\n")
 
     def csv(self) -> list[str]:
         """Lines of the table as CSV: numbers with all their digits, nothing for None."""

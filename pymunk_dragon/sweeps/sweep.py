@@ -11,7 +11,6 @@ from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 from functools import partial as partial_of
 from importlib.metadata import version
-from itertools import filterfalse
 from multiprocessing import active_children, get_context, parent_process
 from multiprocessing.spawn import get_executable
 from pathlib import Path
@@ -21,7 +20,7 @@ from time import perf_counter
 from typing import Any
 from zlib import crc32
 
-from pymunk_dragon._checks import flag, function, instances, label, whole
+from pymunk_dragon._checks import flag, function, instance, instances, whole
 from pymunk_dragon._extras import library
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.model.march import March
@@ -157,9 +156,9 @@ def _outcomes(
             running[future := submit(call, at)] = number
             future.add_done_callback(done.put)
             if len(running) >= _MAX_RUNNING:
-                yield _finished(running, done)
+                yield from _finished(running, done)
         while running:
-            yield _finished(running, done)
+            yield from _finished(running, done)
     except Exception as error:  # Whatever an executor raises.
         reason = f"{type(error).__name__}: {error}"
         raise DragonError(f"a worker was lost, or did not start: {reason}") from error
@@ -167,16 +166,14 @@ def _outcomes(
 
 def _finished(
     running: dict[Future[Outcome], int], done: SimpleQueue[Future[Outcome]]
-) -> dict[int, Outcome]:
-    """Remove futures that are done, and return their outcomes.
-
-    Raises the error of one if all have errors.
-    """
+) -> Iterator[dict[int, Outcome]]:
+    """Remove futures that are done; yields their outcomes, and then raises the error of one."""
     found = [done.get(), *(done.get() for _ in range(done.qsize()))]
-    chosen = list(filterfalse(Future.exception, found)) or found
-    for future in set(found).difference(chosen):
-        done.put(future)
-    return {running.pop(future): future.result() for future in chosen}
+    outcomes = {running.pop(each): each.result() for each in found if not each.exception()}
+    if outcomes:
+        yield outcomes
+    for each in found:
+        each.result()
 
 
 def _pool(
@@ -184,10 +181,8 @@ def _pool(
 ) -> AbstractContextManager[_Submit]:
     """A context with the method `submit` of the executor that these arguments of `sweep` mean."""
     count = whole("workers", _CORES if workers is None else workers, 1, _MAX_WORKERS)
-    if not isinstance(executor, Executor | None):
-        raise ParameterError("executor", executor, "a concurrent.futures.Executor")
+    instance("executor", executor, Executor | None, "a concurrent.futures.Executor")
     if scheduler is not None:
-        label("scheduler", scheduler)
         return _cluster(library("distributed"), scheduler)
     return nullcontext(executor.submit) if executor else _processes(count)
 
