@@ -366,9 +366,7 @@ def test_page_shows_forces_and_torques_in_their_units_and_on_scales_of_their_own
             "Kinetic and potential energy (J)",
             "Momentum (N s)",
         ]
-        label = page.evaluate(
-            "live.tools.labelOf({ joint: live.model.joints(live.frame, null, [])[2] })"
-        )
+        label = page.evaluate("live.tools.labelOf({ joint: live.moment.joints[2] })")
         assert label == "joint 2: 9.81 N m"
 
 

@@ -1,5 +1,5 @@
-// Draws the benches and the curve. Many benches share a path,
-// because drawing a path costs more than extending it.
+// Draws a moment of a run or of a live session: the benches, the curve, and what is chosen to be
+// seen with them. Many benches share a path, because drawing a path costs more than extending it.
 
 const CURVE_WIDTH = 0.04; // width of the curve over that of a bench, as in the films
 const THINNEST_CURVE = 1; // pixels
@@ -9,63 +9,129 @@ const OUTLINE_WIDTH = 0.06; // width of outlines over that of a bench
 const THINNEST_OUTLINE = 0.5; // pixels
 const HEAD_BORDER = 3; // times: border of the head in contact
 const THICKEST_OUTLINE = 1.25; // pixels
+const PALE = 0.55; // weight of the background in the colour of benches whose dancers let go
 
-/** @template {DrawnBenches} [M=any] */
+// What a picture has not that shows benches only.
+/** @type {Omit<Moment, "time" | "benches" | "inContact">} */
+const ONLY_BENCHES = {
+  pairs: [],
+  pointed: null,
+  ghosts: null,
+  velocities: null,
+  freeFrom: null,
+  calls: [],
+  joints: [],
+  cuts: [],
+  contacts: new Float32Array(),
+  held: null,
+  target: null,
+  aims: false,
+  isMeasured: false,
+};
+
+// Draws pictures of a model: the dragon of a recording, or the scene of a live session.
 class Painter {
-  /**
-   * @param {HTMLCanvasElement} canvas
-   * @param {M} motion
-   * @param {View} view
-   * @param {Payload} payload
-   * @param {ArrayLike<number>} curve
-   */
-  constructor(canvas, motion, view, payload, curve) {
-    this.canvas = canvas;
-    this.context = /** @type {CanvasRenderingContext2D} */ (
-      canvas.getContext("2d", { alpha: false })
-    );
-    this.motion = motion;
+  /** @param {Surface} surface @param {View} view @param {DrawnModel} model */
+  constructor(surface, view, model) {
+    this.surface = surface;
     this.view = view;
-    this.payload = payload;
-    this.curve = curve; // in m: x0, y0, x1, y1, ...
-    this.curveError = payload.curve_error;
-    this.colours = readColours();
-    this.font = fontOf(document.body);
+    this.model = model;
+    this.scales = { force: new LogScale(), torque: new LogScale() };
+    this.impulseScale = new LogScale();
   }
 
-  readColours() {
-    this.colours = readColours();
-    this.font = fontOf(document.body);
+  /** @type {(model: DrawnModel) => void} */
+  setModel(model) {
+    this.model = model;
+    this.scales = { force: new LogScale(), torque: new LogScale() };
+    this.impulseScale = new LogScale();
   }
 
-  resize() {
-    Object.assign(this.view, fitCanvas(this.canvas, this.context));
+  get context() {
+    return this.surface.context;
   }
 
-  clear() {
-    const { context, view, colours } = this;
-    context.fillStyle = colours.background;
-    context.fillRect(0, 0, view.width, view.height);
-    context.lineJoin = context.lineCap = "round";
+  get colours() {
+    return this.surface.colours;
+  }
+
+  get font() {
+    return this.surface.font;
+  }
+
+  /** @type {(picture: Picture) => void} */
+  draw(picture) {
+    const { model, context } = this;
+    const { benches, inContact, show } = picture;
+    const visible = this.visible(benches);
+    this.updateScales(picture);
+    this.surface.clear();
+    context.lineCap = "round";
+
+    if (show.grid && model.grid) drawGrid(this, benches, visible, model.grid);
+    if (show.curve) this.drawCurve();
+    drawCalls(this, picture.calls);
+    this.drawDragon(picture, visible);
+
+    if (picture.ghosts) drawGhosts(this, picture.ghosts);
+    if (show.handles) drawHandles(this, benches, visible);
+    if (picture.velocities) drawVelocities(this, benches, visible, picture.velocities);
+    if (show.forces) drawEfforts(this, picture.joints);
+    if (show.labels) drawNumbers(this, benches, visible, inContact);
+    drawCuts(this, benches, picture.cuts);
+    if (show.contacts) drawContacts(this, picture);
+    if (show.contacts) drawImpulses(this, picture.contacts);
+
+    if (picture.held) drawHeld(this, picture.held);
+    if (picture.target) drawTarget(this, picture.target);
+    if (picture.aims) drawAim(this);
+    if (picture.isMeasured) this.drawScales(picture);
+  }
+
+  /** @type {(picture: Picture) => void} */
+  updateScales({ joints, contacts }) {
+    const now = performance.now();
+    for (const kind of EFFORTS) this.scales[kind].include(largestOf(effortsOf(joints, kind)), now);
+    const impulses = contacts.filter((_, k) => k % CONTACT_SIZE === CONTACT_SIZE - 1);
+    this.impulseScale.include(largestOf(impulses), now);
+  }
+
+  // Benches whose dancers let go are pale; the others are above them.
+  /** @type {(picture: Picture, visible: number[]) => void} */
+  drawDragon({ benches, inContact, freeFrom, pointed }, visible) {
+    const free = visible.filter((i) => freeFrom !== null && i >= freeFrom);
+    const others = visible.filter((i) => freeFrom === null || i < freeFrom);
+    this.drawBenches(benches, free, inContact, true);
+    this.drawBenches(benches, others, inContact);
+    if (pointed !== null) this.drawPointed(benches, pointed, inContact);
+  }
+
+  // The legends of forces and torques, and the scale bar above them.
+  /** @type {(picture: Picture) => void} */
+  drawScales({ show, joints }) {
+    const kinds = EFFORTS.filter((kind) => show.forces && effortsOf(joints, kind).length > 0);
+    kinds.forEach((kind, k) => drawLegend(this, kind, k * LEGEND_ROOM));
+    drawScaleBar(this, kinds.length * LEGEND_ROOM);
   }
 
   // Numbers of the benches in the view, from the tail to the head.
   /** @type {(benches: { poses: Poses }) => number[]} */
   visible({ poses: { x, y } }) {
-    const { view, motion } = this;
+    const { view, model } = this;
     const found = [];
-    for (let i = motion.benches - 1; i >= 0; i--) {
-      if (view.isVisible(x[i], y[i], motion.lengths[i])) found.push(i);
+    for (let i = model.benches - 1; i >= 0; i--) {
+      if (view.isVisible(x[i], y[i], model.lengths[i])) found.push(i);
     }
     return found;
   }
 
   drawCurve() {
-    const { context, view, curve } = this;
+    const { context, view, model } = this;
+    const { curve } = model;
     // The error of a chord over n intervals is n^2 times that over one.
     const stride = Math.max(
       1,
-      Math.floor(Math.sqrt(CURVE_ERROR_SHOWN / (view.scale * this.curveError))),
+      Math.floor(Math.sqrt(CURVE_ERROR_SHOWN / (view.scale * model.curveError))),
     );
     const path = new Path2D();
     const last = curve.length / 2 - 1;
@@ -82,26 +148,30 @@ class Painter {
       path.lineTo(...view.toScreen(nextX, nextY));
       drawn = to;
     }
-    const width = Math.max(THINNEST_CURVE, CURVE_WIDTH * this.motion.narrowest * view.scale);
+    const width = Math.max(THINNEST_CURVE, CURVE_WIDTH * model.narrowest * view.scale);
     strokeOnce(context, path, this.colours.curve, width);
   }
 
-  /** @type {(path: Path2D, benches: Benches<DrawnBenches>, i: number) => void} */
+  /** @type {(path: Path2D, benches: Benches<DrawnModel>, i: number) => void} */
   outline(path, benches, i) {
-    const [first, ...rest] = benches.corners(i);
-    path.moveTo(...this.view.toScreen(...first));
-    for (const corner of rest) path.lineTo(...this.view.toScreen(...corner));
-    path.closePath();
+    addPolygon(path, this.view, benches.corners(i));
   }
 
-  /** @type {(benches: Benches<DrawnBenches>, visible: number[], inContact: Set<number>) => void} */
-  drawBenches(benches, visible, inContact) {
-    const { context, colours, motion, view } = this;
-    const tail = motion.benches - 1;
+  /**
+   * @type {(
+   *   benches: Benches<DrawnModel>,
+   *   visible: number[],
+   *   inContact: Set<number>,
+   *   pale?: boolean,
+   * ) => void}
+   */
+  drawBenches(benches, visible, inContact, pale = false) {
+    const { context, colours, model, view } = this;
+    const tail = model.benches - 1;
     /** @type {(i: number) => boolean} */
     const special = (i) => i === 0 || i === tail || inContact.has(i);
     const thin = Math.min(
-      Math.max(OUTLINE_WIDTH * motion.narrowest * view.scale, THINNEST_OUTLINE),
+      Math.max(OUTLINE_WIDTH * model.narrowest * view.scale, THINNEST_OUTLINE),
       THICKEST_OUTLINE,
     );
     /** @type {(chosen: number[], border?: string, width?: number) => void} */
@@ -109,7 +179,7 @@ class Painter {
       if (!chosen.length) return;
       const path = new Path2D();
       for (const i of chosen) this.outline(path, benches, i);
-      context.fillStyle = this.colourOf(chosen[0], inContact);
+      context.fillStyle = this.colourOf(chosen[0], inContact, pale);
       context.fill(path);
       strokeOnce(context, path, border, width);
     };
@@ -119,13 +189,13 @@ class Painter {
       if (i === 0 && inContact.has(0)) paint([0], colours.contact, HEAD_BORDER * thin);
       else paint([i]);
     }
-    const radius = (this.payload.dragon.hole / 2) * view.scale;
+    const radius = (this.model.hole / 2) * view.scale;
     if (2 * radius >= SMALLEST_HOLE) this.drawHoles(benches, visible, radius, colours.ink);
   }
 
   /**
    * @type {(
-   *   benches: Benches<DrawnBenches>,
+   *   benches: Benches<DrawnModel>,
    *   visible: number[],
    *   radius: number,
    *   colour: string,
@@ -145,7 +215,7 @@ class Painter {
   }
 
   // The highlighted bench is drawn on top, with an outline.
-  /** @type {(benches: Benches<DrawnBenches>, i: number, inContact: Set<number>) => void} */
+  /** @type {(benches: Benches<DrawnModel>, i: number, inContact: Set<number>) => void} */
   drawPointed(benches, i, inContact) {
     const { context, colours } = this;
     const path = new Path2D();
@@ -153,20 +223,18 @@ class Painter {
     strokeTwice(context, path, colours.background, colours.text, 5, 2);
     context.fillStyle = this.colourOf(i, inContact);
     context.fill(path);
-    this.drawHoles(benches, [i], (this.payload.dragon.hole / 2) * this.view.scale, colours.ink);
+    this.drawHoles(benches, [i], (this.model.hole / 2) * this.view.scale, colours.ink);
   }
 
   // The head keeps its colour in contact, and gets a border in the colour of the contact.
-  /** @type {(i: number, inContact: Set<number>) => string} */
-  colourOf(i, inContact) {
-    const { contact, head, tail, body } = this.colours;
-    return i === 0
-      ? head
-      : inContact.has(i)
-        ? contact
-        : i === this.motion.benches - 1
-          ? tail
-          : body;
+  /** @type {(i: number, inContact: Set<number>, pale?: boolean) => string} */
+  colourOf(i, inContact, pale = false) {
+    const { contact, head, tail, body, background } = this.colours;
+    let colour = body;
+    if (i === this.model.benches - 1) colour = tail;
+    if (inContact.has(i)) colour = contact;
+    if (i === 0) colour = head;
+    return pale ? mixed(colour, background, PALE) : colour;
   }
 
   /**
@@ -190,34 +258,4 @@ class Painter {
     context.fillStyle = colours.text;
     context.fillText(text, px, py);
   }
-}
-
-// A line with a rim of the background's colour.
-/**
- * @type {(
- *   context: CanvasRenderingContext2D,
- *   path: Path2D,
- *   rim: string,
- *   colour: string,
- *   width: number,
- *   rimWidth?: number,
- * ) => void}
- */
-function strokeTwice(context, path, rim, colour, width, rimWidth = 1) {
-  strokeOnce(context, path, rim, width + 2 * rimWidth);
-  strokeOnce(context, path, colour, width);
-}
-
-/**
- * @type {(
- *   context: CanvasRenderingContext2D,
- *   path: Path2D,
- *   colour: string,
- *   width: number,
- * ) => void}
- */
-function strokeOnce(context, path, colour, width) {
-  context.strokeStyle = colour;
-  context.lineWidth = width;
-  context.stroke(path);
 }

@@ -76,7 +76,7 @@ function decadesAround(values) {
 }
 
 class LiveCharts {
-  /** @param {LivePainter} painter */
+  /** @param {Painter} painter */
   constructor(painter) {
     this.painter = painter;
     const charts = ["error", "step", ...EFFORTS].map((name) => [
@@ -96,7 +96,7 @@ class LiveCharts {
   setModel(model) {
     this.model = model;
     for (const chart of Object.values(this.charts)) chart.clear();
-    element("charts-error").hidden = !model.can("ghost");
+    element("charts-error").hidden = !model.can("exact");
     const names = model.benches ? [] : model.scene.plots; // a dragon has the charts above
     this.quantities = names.map(([name, unit]) => new Quantity(name, unit, this.painter));
     element("charts-own").replaceChildren(...this.quantities.map(({ figure }) => figure));

@@ -88,7 +88,7 @@ const LEGEND_HEIGHT = 9; // pixels
 const LEGEND_ROOM = 50; // pixels: height of a legend with its texts
 const BAR_LONGEST = 110; // pixels: longest scale bar
 
-/** @type {(painter: LivePainter, kind: Kind, above: number) => void} */
+/** @type {(painter: Painter, kind: Kind, above: number) => void} */
 function drawLegend(painter, kind, above) {
   const { context, view, colours, model } = painter;
   const scale = painter.scales[kind];
@@ -116,7 +116,7 @@ function drawLegend(painter, kind, above) {
 }
 
 // A length of 1, 2 or 5 times a power of ten m, and a line of that length.
-/** @type {(painter: LivePainter, above: number) => void} */
+/** @type {(painter: Painter, above: number) => void} */
 function drawScaleBar(painter, above) {
   const { context, view, colours } = painter;
   const length = Number((1 / roundUp(view.scale / BAR_LONGEST)).toPrecision(1));
