@@ -57,38 +57,52 @@ interface Ghosts {
   errors: ArrayLike<number> | null;
 }
 
-/** What a source of pictures has at a time, and what a stage adds to it. */
+/** What a source of pictures has at a time. */
 interface Moment<M extends DrawnModel = DrawnModel, P extends Poses = Poses> {
   time: number;
   benches: Benches<M, P>;
-  /** Pairs of benches in contact, whose place is computed. */
-  pairs: Pair[];
   inContact: Set<number>;
   /** The first bench whose dancers let go. */
   freeFrom: number | null;
-  ghosts: Ghosts | null;
-  /** Of the handles. */
-  velocities: Point[] | null;
+}
+
+interface RecordedMoment extends Moment<Recording, Poses & Rates> {
+  /** Pairs of benches in contact. */
+  pairs: Pair[];
+}
+
+interface LiveMoment extends Moment {
   calls: Call[];
   joints: Joint[];
   cuts: number[];
   /** Points, normals and impulses of contacts. */
   contacts: Float32Array;
+}
+
+/** What a painter draws: a moment, and what the stage adds to it. */
+interface Picture extends Moment {
+  show: Record<string, boolean>;
   /** The bench that is highlighted. */
   pointed: number | null;
+  ghosts: Ghosts | null;
+}
+
+interface RunPicture extends Picture {
+  pairs: Pair[];
+  /** Of the handles. */
+  velocities: Point[] | null;
+}
+
+interface LivePicture extends Picture, LiveMoment {
+  scales: Scales;
   held: Held | null;
   target: Target | null;
   /** Whether keys have the canvas, and a cross shows where they act. */
   aims: boolean;
-  /** Whether there is a scale bar, and legends of forces. */
-  isMeasured: boolean;
 }
 
-interface Picture extends Moment {
-  show: Record<string, boolean>;
-}
-
-type RecordedMoment = Moment<Recording, Poses & Rates>;
+/** Draws a part of a picture; the numbers are those of the benches in view. */
+type Layer<P extends Picture> = (painter: Painter, picture: P, visible: number[]) => void;
 
 /** What those who extend it add. */
 interface Surface {

@@ -16,9 +16,27 @@ const NO_MODEL = /** @type {any} */ ({
 // Scene for a frame on the page of a lesson.
 const STAGE = new URLSearchParams(location.hash.slice(1)).get("stage");
 
+// The first is the lowest.
+const LIVE_LAYERS = [
+  drawCurve,
+  drawCalls,
+  drawDragon,
+  drawGhosts,
+  drawHandles,
+  drawEfforts,
+  drawNumbers,
+  drawCuts,
+  drawImpulses,
+  drawHeld,
+  drawTarget,
+  drawAim,
+  drawScales,
+];
+
+/** @extends {Stage<LivePicture>} */
 class Live extends Stage {
   constructor() {
-    super(NO_MODEL, LIVE_SWITCHES, SHOWN_OF_SCENE);
+    super(NO_MODEL, LIVE_LAYERS, LIVE_SWITCHES, SHOWN_OF_SCENE);
     /** @type {LiveScene} */
     this.scene = NOTHING_YET;
     /** @type {LiveState} */
@@ -29,8 +47,9 @@ class Live extends Stage {
     this.model = NOTHING_YET;
     /** @type {ArrayBuffer | null} */
     this.newest = NOTHING_YET;
-    /** @type {Moment | null} */
+    /** @type {LiveMoment | null} */
     this.cachedMoment = null;
+    this.scales = new Scales();
     this.rateKind = ""; // what the rate was measured of
     /** @type { { clock: number, time: number }[]} */
     this.ticks = []; // the session's clock and the simulated time in the last second
@@ -39,7 +58,7 @@ class Live extends Stage {
     this.buildingTimer = 0;
     /** @type {LiveEvent[]} */
     this.events = []; // the newest first
-    this.charts = new LiveCharts(this.painter);
+    this.charts = new LiveCharts(this);
     this.sliders = new Sliders(element("parameters"), (message) => this.send(message));
     this.tools = new Tools(this);
     this.recorder = new Recorder(this);
@@ -104,7 +123,8 @@ class Live extends Stage {
     this.cachedMoment = null;
     this.model = new Model(scene);
     this.view.setSubject(this.model);
-    this.painter.setModel(this.model);
+    this.painter.model = this.model;
+    this.scales = new Scales();
     this.charts.setModel(this.model);
     this.tools.setModel(this.model, same);
     if (anew) this.events = [];
@@ -219,6 +239,7 @@ class Live extends Stage {
     this.followSubject(this.moment.benches.poses);
     this.aims = this.pixel === null && element("field").matches(":focus-visible");
     tools.flush();
+    this.scales.include(this.moment, now);
     this.painter.draw(this.picture);
     this.recorder.add();
     this.charts.draw(frame, state, now);
@@ -226,12 +247,13 @@ class Live extends Stage {
     this.drawn += 1;
   }
 
-  /** @returns {Picture} */
+  /** @returns {LivePicture} */
   get picture() {
-    const { moment, frame, switches: show, aims } = this;
+    const { moment, frame, scales, switches: show, aims } = this;
     const { held, target } = this.tools;
     const ghosts = show.exact ? this.model.ghostsOf(frame) : null;
-    return { ...moment, show, ghosts, held, target, aims, pointed: target?.bench ?? null };
+    const pointed = target?.bench ?? null;
+    return { ...moment, show, ghosts, scales, held, target, aims, pointed };
   }
 
   // The fitted view has nothing behind tools, buttons and scale bar.

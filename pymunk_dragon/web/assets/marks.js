@@ -24,23 +24,18 @@ const CELL_OPACITY = 0.1; // of covered cells, as in the films
 const LINE_OPACITY = 0.28; // of the grid's lines, as in the films
 const RIMMED_BENCH = 10; // pixels: width of a bench from which on the lines have a rim
 
-/** @type {(painter: Painter, benches: Benches<DrawnModel>, visible: number[]) => void} */
-function drawHandles(painter, benches, visible) {
+/** @type {Layer<Picture>} */
+function drawHandles(painter, { benches, show }, visible) {
+  if (!show.handles) return;
   const { context, colours, view } = painter;
   const radius = Math.max(SMALLEST_HANDLE, HANDLE_SIZE * painter.model.hole * view.scale);
   const path = painter.drawHoles(benches, visible, radius, colours.background);
   strokeOnce(context, path, colours.text, Math.min(1.25, 0.4 * radius));
 }
 
-/**
- * @type {(
- *   painter: Painter,
- *   benches: Benches<DrawnModel>,
- *   visible: number[],
- *   velocities: Point[],
- * ) => void}
- */
-function drawVelocities(painter, benches, visible, velocities) {
+/** @type {Layer<RunPicture>} */
+function drawVelocities(painter, { benches, velocities }, visible) {
+  if (!velocities) return;
   const { context, colours, view } = painter;
   const path = new Path2D();
   for (const handle of new Set(visible.flatMap((i) => [i, i + 1]))) {
@@ -70,15 +65,9 @@ function addArrow(path, [px, py], dx, dy) {
 }
 
 // Numbers in the benches.
-/**
- * @type {(
- *   painter: Painter,
- *   benches: Benches<DrawnModel>,
- *   visible: number[],
- *   inContact: Set<number>,
- * ) => void}
- */
-function drawNumbers(painter, benches, visible, inContact) {
+/** @type {Layer<Picture>} */
+function drawNumbers(painter, { benches, inContact, show }, visible) {
+  if (!show.labels) return;
   const { context, colours, model, view } = painter;
   const { x, y, angle } = benches.poses;
   const thickness = model.narrowest * view.scale;
@@ -118,8 +107,9 @@ function drawNumbers(painter, benches, visible, inContact) {
 }
 
 // A ring at each contact, and each near miss about its time.
-/** @type {(painter: Painter, picture: Picture) => void} */
-function drawContacts(painter, { time, benches, pairs }) {
+/** @type {Layer<RunPicture>} */
+function drawContacts(painter, { time, benches, pairs, show }) {
+  if (!show.contacts) return;
   const { view } = painter;
   for (const two of pairs) {
     drawRing(painter, view.toScreen(...benches.gap(...two).ends[0]));
@@ -161,8 +151,10 @@ function drawRing({ context, colours }, [px, py], inner = 0) {
 }
 
 // Outlines of exact benches, on top of the others: of all, or of those whose errors are visible.
-/** @type {(painter: Painter, ghosts: Ghosts) => void} */
-function drawGhosts(painter, { benches, errors }) {
+/** @type {Layer<Picture>} */
+function drawGhosts(painter, { ghosts }) {
+  if (!ghosts) return;
+  const { benches, errors } = ghosts;
   const { context, colours, view, model } = painter;
   const least = GHOST_SHOWN / view.scale;
   const path = new Path2D();
@@ -176,16 +168,11 @@ function drawGhosts(painter, { benches, errors }) {
 }
 
 // The paper's grid for the search for contacts: its lines, and the cells that benches cover.
-/**
- * @type {(
- *   painter: Painter,
- *   benches: Benches<DrawnModel>,
- *   visible: number[],
- *   grid: Grid,
- * ) => void}
- */
-function drawGrid(painter, benches, visible, grid) {
-  const { context, colours, view } = painter;
+/** @type {Layer<Picture>} */
+function drawGrid(painter, { benches, show }, visible) {
+  const { context, colours, view, model } = painter;
+  const { grid } = model;
+  if (!show.grid || !grid) return;
   const { cell, origin } = grid;
   const size = cell * view.scale;
   if (size < SMALLEST_CELL) return;

@@ -61,11 +61,10 @@ class Model {
   }
 
   // What there is to see in a frame; exact benches not included.
-  /** @type {(frame: LiveFrame, state: LiveState) => Moment} */
+  /** @type {(frame: LiveFrame, state: LiveState) => LiveMoment} */
   momentOf(frame, state) {
     const benches = new Benches(this, posesOf(frame.poses));
     return {
-      ...ONLY_BENCHES,
       time: frame.time,
       benches,
       inContact: new Set(frame.touching),
@@ -74,7 +73,6 @@ class Model {
       joints: this.joints(frame, benches, state.cuts),
       cuts: state.cuts,
       contacts: frame.contacts,
-      isMeasured: true,
     };
   }
 

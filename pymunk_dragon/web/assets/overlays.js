@@ -11,8 +11,9 @@ const MOST_ARROWS = 800; // more contacts have no arrows
 const CUT_MARK = 5; // pixels: half the size of the cross at a cut joint
 
 // A disc at each joint with a force, a square at one with a torque: colour and size show it.
-/** @type {(painter: Painter, joints: Joint[]) => void} */
-function drawEfforts({ context, view, colours, scales }, joints) {
+/** @type {Layer<LivePicture>} */
+function drawEfforts({ context, view, colours }, { joints, scales, show }) {
+  if (!show.forces) return;
   /** @type {Map<number, Path2D>} */
   const paths = new Map();
   for (const {
@@ -43,9 +44,10 @@ function drawEfforts({ context, view, colours, scales }, joints) {
 }
 
 // A ring or dot at each contact point, and an arrow along the normal of each pair.
-/** @type {(painter: Painter, contacts: Float32Array) => void} */
-function drawImpulses(painter, contacts) {
-  const { context, colours, view, model, impulseScale } = painter;
+/** @type {Layer<LivePicture>} */
+function drawImpulses(painter, { contacts, scales, show }) {
+  if (!show.contacts) return;
+  const { context, colours, view, model } = painter;
   const count = contacts.length / CONTACT_SIZE;
   const many = count > MANY_CONTACTS;
   const path = new Path2D();
@@ -59,7 +61,7 @@ function drawImpulses(painter, contacts) {
     else drawRing(painter, [px, py]);
     if (impulse < 0 || count > MOST_ARROWS) continue;
     const longest = many ? LONGEST_OF_MANY : LONGEST_IMPULSE;
-    const length = SHORTEST_IMPULSE + (longest - SHORTEST_IMPULSE) * impulseScale.share(impulse);
+    const length = SHORTEST_IMPULSE + (longest - SHORTEST_IMPULSE) * scales.impulse.share(impulse);
     addArrow(path, [px, py], length * nx, -length * ny * view.up);
     if (impulse > (largest?.impulse ?? 0)) largest = { impulse, px, py };
   }
@@ -71,8 +73,8 @@ function drawImpulses(painter, contacts) {
 }
 
 // A cross at both holes of each cut joint.
-/** @type {(painter: Painter, benches: Benches<BenchSizes>, cuts: number[]) => void} */
-function drawCuts({ context, view, colours }, benches, cuts) {
+/** @type {Layer<LivePicture>} */
+function drawCuts({ context, view, colours }, { benches, cuts }) {
   const path = new Path2D();
   for (const joint of cuts) {
     for (const hole of [benches.hole(joint, -1), benches.hole(joint + 1, 1)]) {
@@ -87,8 +89,10 @@ function drawCuts({ context, view, colours }, benches, cuts) {
 }
 
 // A line from the anchor on the held body to the pointer.
-/** @type {(painter: Painter, held: Held) => void} */
-function drawHeld({ context, view, colours }, { anchor, target }) {
+/** @type {Layer<LivePicture>} */
+function drawHeld({ context, view, colours }, { held }) {
+  if (!held) return;
+  const { anchor, target } = held;
   const from = view.toScreen(...anchor);
   const to = view.toScreen(...target);
   const path = new Path2D();
@@ -107,8 +111,9 @@ function drawHeld({ context, view, colours }, { anchor, target }) {
 }
 
 // A cross at the point where keys apply the tool.
-/** @type {(painter: Painter) => void} */
-function drawAim({ context, view, colours }) {
+/** @type {Layer<LivePicture>} */
+function drawAim({ context, view, colours }, { aims }) {
+  if (!aims) return;
   const px = view.width / 2;
   const py = view.height / 2;
   const path = new Path2D();
@@ -125,8 +130,9 @@ function drawAim({ context, view, colours }) {
 }
 
 // What a click would change, and its name. A bench is highlighted where it is drawn.
-/** @type {(painter: Painter, target: Target) => void} */
-function drawTarget(painter, target) {
+/** @type {Layer<LivePicture>} */
+function drawTarget(painter, { target }) {
+  if (!target) return;
   const { context, colours, view } = painter;
   if (target.label && target.pixel) drawLabel(painter, target.label, ...target.pixel);
   if (target.joint) {

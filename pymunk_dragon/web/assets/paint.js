@@ -11,40 +11,21 @@ const HEAD_BORDER = 3; // times: border of the head in contact
 const THICKEST_OUTLINE = 1.25; // pixels
 const PALE = 0.55; // weight of the background in the colour of benches whose dancers let go
 
-// What a picture has not that shows benches only.
-/** @type {Omit<Moment, "time" | "benches" | "inContact">} */
-const ONLY_BENCHES = {
-  pairs: [],
-  pointed: null,
-  ghosts: null,
-  velocities: null,
-  freeFrom: null,
-  calls: [],
-  joints: [],
-  cuts: [],
-  contacts: new Float32Array(),
-  held: null,
-  target: null,
-  aims: false,
-  isMeasured: false,
-};
-
-// Draws pictures of a model: the dragon of a recording, or the scene of a live session.
+// Draws pictures of a model, the dragon of a recording or the scene of a live session, in layers:
+// each draws a part of the picture on those before it.
+/** @template {Picture} [P=any] */
 class Painter {
-  /** @param {Surface} surface @param {View} view @param {DrawnModel} model */
-  constructor(surface, view, model) {
+  /**
+   * @param {Surface} surface
+   * @param {View} view
+   * @param {DrawnModel} model
+   * @param {Layer<P>[]} layers
+   */
+  constructor(surface, view, model, layers) {
     this.surface = surface;
     this.view = view;
     this.model = model;
-    this.scales = { force: new LogScale(), torque: new LogScale() };
-    this.impulseScale = new LogScale();
-  }
-
-  /** @type {(model: DrawnModel) => void} */
-  setModel(model) {
-    this.model = model;
-    this.scales = { force: new LogScale(), torque: new LogScale() };
-    this.impulseScale = new LogScale();
+    this.layers = layers;
   }
 
   get context() {
@@ -59,59 +40,12 @@ class Painter {
     return this.surface.font;
   }
 
-  /** @type {(picture: Picture) => void} */
+  /** @type {(picture: P) => void} */
   draw(picture) {
-    const { model, context } = this;
-    const { benches, inContact, show } = picture;
-    const visible = this.visible(benches);
-    this.updateScales(picture);
+    const visible = this.visible(picture.benches);
     this.surface.clear();
-    context.lineCap = "round";
-
-    if (show.grid && model.grid) drawGrid(this, benches, visible, model.grid);
-    if (show.curve) this.drawCurve();
-    drawCalls(this, picture.calls);
-    this.drawDragon(picture, visible);
-
-    if (picture.ghosts) drawGhosts(this, picture.ghosts);
-    if (show.handles) drawHandles(this, benches, visible);
-    if (picture.velocities) drawVelocities(this, benches, visible, picture.velocities);
-    if (show.forces) drawEfforts(this, picture.joints);
-    if (show.labels) drawNumbers(this, benches, visible, inContact);
-    drawCuts(this, benches, picture.cuts);
-    if (show.contacts) drawContacts(this, picture);
-    if (show.contacts) drawImpulses(this, picture.contacts);
-
-    if (picture.held) drawHeld(this, picture.held);
-    if (picture.target) drawTarget(this, picture.target);
-    if (picture.aims) drawAim(this);
-    if (picture.isMeasured) this.drawScales(picture);
-  }
-
-  /** @type {(picture: Picture) => void} */
-  updateScales({ joints, contacts }) {
-    const now = performance.now();
-    for (const kind of EFFORTS) this.scales[kind].include(largestOf(effortsOf(joints, kind)), now);
-    const impulses = contacts.filter((_, k) => k % CONTACT_SIZE === CONTACT_SIZE - 1);
-    this.impulseScale.include(largestOf(impulses), now);
-  }
-
-  // Benches whose dancers let go are pale; the others are above them.
-  /** @type {(picture: Picture, visible: number[]) => void} */
-  drawDragon({ benches, inContact, freeFrom, pointed }, visible) {
-    const free = visible.filter((i) => freeFrom !== null && i >= freeFrom);
-    const others = visible.filter((i) => freeFrom === null || i < freeFrom);
-    this.drawBenches(benches, free, inContact, true);
-    this.drawBenches(benches, others, inContact);
-    if (pointed !== null) this.drawPointed(benches, pointed, inContact);
-  }
-
-  // The legends of forces and torques, and the scale bar above them.
-  /** @type {(picture: Picture) => void} */
-  drawScales({ show, joints }) {
-    const kinds = EFFORTS.filter((kind) => show.forces && effortsOf(joints, kind).length > 0);
-    kinds.forEach((kind, k) => drawLegend(this, kind, k * LEGEND_ROOM));
-    drawScaleBar(this, kinds.length * LEGEND_ROOM);
+    this.context.lineCap = "round";
+    for (const layer of this.layers) layer(this, picture, visible);
   }
 
   // Numbers of the benches in the view, from the tail to the head.
@@ -123,33 +57,6 @@ class Painter {
       if (view.isVisible(x[i], y[i], model.lengths[i])) found.push(i);
     }
     return found;
-  }
-
-  drawCurve() {
-    const { context, view, model } = this;
-    const { curve } = model;
-    // The error of a chord over n intervals is n^2 times that over one.
-    const stride = Math.max(
-      1,
-      Math.floor(Math.sqrt(CURVE_ERROR_SHOWN / (view.scale * model.curveError))),
-    );
-    const path = new Path2D();
-    const last = curve.length / 2 - 1;
-    /** @type {number | null} */
-    let drawn = null; // the point up to which the curve is drawn
-    for (let from = 0; from < last; from += stride) {
-      const to = Math.min(from + stride, last);
-      const x = curve[2 * from];
-      const y = curve[2 * from + 1];
-      const nextX = curve[2 * to];
-      const nextY = curve[2 * to + 1];
-      if (!view.isVisible(x, y, Math.hypot(nextX - x, nextY - y))) continue;
-      if (drawn !== from) path.moveTo(...view.toScreen(x, y));
-      path.lineTo(...view.toScreen(nextX, nextY));
-      drawn = to;
-    }
-    const width = Math.max(THINNEST_CURVE, CURVE_WIDTH * model.narrowest * view.scale);
-    strokeOnce(context, path, this.colours.curve, width);
   }
 
   /** @type {(path: Path2D, benches: Benches<DrawnModel>, i: number) => void} */
@@ -258,4 +165,45 @@ class Painter {
     context.fillStyle = colours.text;
     context.fillText(text, px, py);
   }
+}
+
+// ---- the first layers
+
+/** @type {(painter: Painter, picture: Picture) => void} */
+function drawCurve(painter, { show }) {
+  if (!show.curve) return;
+  const { context, view, model } = painter;
+  const { curve } = model;
+  // The error of a chord over n intervals is n^2 times that over one.
+  const stride = Math.max(
+    1,
+    Math.floor(Math.sqrt(CURVE_ERROR_SHOWN / (view.scale * model.curveError))),
+  );
+  const path = new Path2D();
+  const last = curve.length / 2 - 1;
+  /** @type {number | null} */
+  let drawn = null; // the point up to which the curve is drawn
+  for (let from = 0; from < last; from += stride) {
+    const to = Math.min(from + stride, last);
+    const x = curve[2 * from];
+    const y = curve[2 * from + 1];
+    const nextX = curve[2 * to];
+    const nextY = curve[2 * to + 1];
+    if (!view.isVisible(x, y, Math.hypot(nextX - x, nextY - y))) continue;
+    if (drawn !== from) path.moveTo(...view.toScreen(x, y));
+    path.lineTo(...view.toScreen(nextX, nextY));
+    drawn = to;
+  }
+  const width = Math.max(THINNEST_CURVE, CURVE_WIDTH * model.narrowest * view.scale);
+  strokeOnce(context, path, painter.colours.curve, width);
+}
+
+// Benches whose dancers let go are pale; the others are above them.
+/** @type {(painter: Painter, picture: Picture, visible: number[]) => void} */
+function drawDragon(painter, { benches, inContact, freeFrom, pointed }, visible) {
+  const free = visible.filter((i) => freeFrom !== null && i >= freeFrom);
+  const others = visible.filter((i) => freeFrom === null || i < freeFrom);
+  painter.drawBenches(benches, free, inContact, true);
+  painter.drawBenches(benches, others, inContact);
+  if (pointed !== null) painter.drawPointed(benches, pointed, inContact);
 }

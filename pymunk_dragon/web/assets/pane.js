@@ -218,6 +218,10 @@ class Pane {
   }
 }
 
+// A mixture of two colours: the second has the weight `share`.
+/** @type {(one: string, two: string, share: number) => string} */
+const mixed = (one, two, share) => `color-mix(in srgb, ${one}, ${two} ${100 * share}%)`;
+
 // A line with a rim of the background's colour.
 /**
  * @type {(

@@ -30,10 +30,10 @@ function benchAt(benches, point, slip) {
  * @type {(
  *   point: Numbers,
  *   slip: number,
- *   moment: { benches: Benches<BenchSizes>, calls: Call[] },
+ *   moment: { benches: Benches<BenchSizes>, calls?: Call[] },
  * ) => (Target & { point: Numbers }) | null}
  */
-function bodyAt(point, slip, { benches, calls }) {
+function bodyAt(point, slip, { benches, calls = [] }) {
   if (benches.model.benches) {
     const bench = benchAt(benches, point, slip);
     return bench === null ? null : { bench, ...benches.nearestPoint(bench, point) };

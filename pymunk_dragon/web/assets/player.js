@@ -11,10 +11,23 @@ const LINK_EVERY = 500;
 // ms: delay after the last input before the state is announced to screen readers.
 const ANNOUNCE_AFTER = 700;
 
+// The first is the lowest.
+const RUN_LAYERS = [
+  drawGrid,
+  drawCurve,
+  drawDragon,
+  drawGhosts,
+  drawHandles,
+  drawVelocities,
+  drawNumbers,
+  drawContacts,
+];
+
+/** @extends {Stage<RunPicture>} */
 class Player extends Stage {
   /** @param {Recording} recording */
   constructor(recording) {
-    super(recording, RUN_SWITCHES, SHOWN_OF_RUN);
+    super(recording, RUN_LAYERS, RUN_SWITCHES, SHOWN_OF_RUN);
     this.recording = recording;
     this.events = eventsOf(recording);
     this.eventTimes = this.events.map(({ time }) => time);

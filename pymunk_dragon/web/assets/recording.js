@@ -205,7 +205,7 @@ class Recording {
   momentAt(time) {
     const benches = new Benches(this, this.posesAt(time));
     const pairs = this.touchingAt(time).map(({ benches: two }) => two);
-    return { ...ONLY_BENCHES, time, benches, pairs, inContact: new Set(pairs.flat()) };
+    return { time, benches, pairs, inContact: new Set(pairs.flat()), freeFrom: null };
   }
 
   // Exact benches at a time beside `benches`, with magnified distances from these; null if unknown.

@@ -7,12 +7,18 @@ const REPEATED = /^(arrow.*|[-+=wasd])$/; // keys that act again while they are 
 const MODIFIERS = /^(control|meta|alt)$/;
 
 // Pages add `tick`, which draws, `afterChange`, which is called after a change, and `playing`.
+/** @template {Picture} [P=any] */
 class Stage extends Surface {
-  /** @param {DrawnModel} model @param {string[]} switches @param {string[]} shown */
-  constructor(model, switches, shown) {
+  /**
+   * @param {DrawnModel} model
+   * @param {Layer<P>[]} layers
+   * @param {string[]} switches
+   * @param {string[]} shown
+   */
+  constructor(model, layers, switches, shown) {
     super(element("field"));
     this.view = new View(model);
-    this.painter = new Painter(this, this.view, model);
+    this.painter = new Painter(this, this.view, model, layers);
     /** @type {string | null} */
     this.follow = "field"; // or "head", or null for a fixed view
     /** @type {Record<string, boolean>} */
