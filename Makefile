@@ -107,7 +107,7 @@ renders/first_contact.gif renders/exact.gif renders/marks.png: renders/first_con
 renders/guides.gif: renders/unguided.npz
 renders/u-turn.gif: renders/u-turn.npz
 renders/report.html: renders/report.npz
-renders/lessons.html: $(wildcard pymunk_dragon/lessons/*.py pymunk_dragon/lessons/*.js pymunk_dragon/lessons/zh.toml pymunk_dragon/lessons/_framework/assets/*)
+renders/lessons.html: $(wildcard pymunk_dragon/lessons/*.py pymunk_dragon/lessons/*.js pymunk_dragon/lessons/zh.toml pymunk_dragon/lessons/_framework/assets/* pymunk_dragon/web/assets/*)
 $(FIGURES:%=renders/%) renders/$(MAP) renders/report.html renders/lessons.html: | $(VENV)/extras
 -include $(FILES:%=$(COMMANDS)/%.d)
 

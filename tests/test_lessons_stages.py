@@ -14,7 +14,7 @@ from pymunk_dragon import Dragon, Grid, March, Spiral, UTurn, first_contact, sca
 from pymunk_dragon.model.curves import Sampled
 from pymunk_dragon.model.dragon import bench_poses
 from pymunk_dragon.studies import max_speed
-from pymunk_dragon.web.page import colour_variables
+from pymunk_dragon.web.page import colour_variables, scripts
 
 pytestmark = [pytest.mark.thorough, needs_browser]
 
@@ -31,9 +31,8 @@ SUPERSCRIPTS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
 
 def stage_page(stage: str = "", language: str = "en") -> str:
     """A page with all scripts of the stages, and with one stage that is open."""
-    shared = [LESSONS.parent / f"web/assets/{name}.js" for name in ("common", "geometry", "pane")]
-    scripts = [*shared, ASSETS / "chain.js", ASSETS / "lab.js"]
-    script = "".join(path.read_text("utf-8") for path in [*scripts, *sorted(LESSONS.glob("*.js"))])
+    stages = [path.read_text("utf-8") for path in sorted(LESSONS.glob("*.js"))]
+    script = "".join([*scripts("lab"), *stages])
     opening = (
         f'<script>openStage(document.querySelector("[data-stage={stage}]"))</script>'
         if stage

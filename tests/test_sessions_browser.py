@@ -353,7 +353,7 @@ def test_page_shows_forces_and_torques_in_their_units_and_on_scales_of_their_own
         wait_until(
             page, "document.querySelector('#value-torque').textContent === '9.81 N m, joint 2'"
         )
-        assert page.evaluate("[live.painter.scales.force.top, live.painter.scales.torque.top]") == [
+        assert page.evaluate("[live.scales.force.top, live.scales.torque.top]") == [
             4,
             1,
         ]
@@ -366,9 +366,7 @@ def test_page_shows_forces_and_torques_in_their_units_and_on_scales_of_their_own
             "Kinetic and potential energy (J)",
             "Momentum (N s)",
         ]
-        label = page.evaluate(
-            "live.tools.labelOf({ joint: live.model.joints(live.frame, null, [])[2] })"
-        )
+        label = page.evaluate("live.tools.labelOf({ joint: live.moment.joints[2] })")
         assert label == "joint 2: 9.81 N m"
 
 

@@ -23,7 +23,8 @@ pytestmark = [pytest.mark.thorough, needs_browser]
 # The number of the shape that the page would take at each point, in the order of drawing; -1 for
 # none.
 TAKEN = """([points, slip]) => points.map((point) => {
-  const found = live.model.bodyAt(point, slip, live.frame, live.poses);
+  const { view, tools } = live;
+  const found = tools.bodyAt(view.toScreen(...point), slip * view.scale);
   return found ? live.frame.calls.filter(({ outline }) => outline).indexOf(found.call) : -1;
 })"""
 

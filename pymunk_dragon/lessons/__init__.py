@@ -33,7 +33,7 @@ choices with what comes of them; the right one is bold. "Check" has a number wit
 program prints. "Teacher" is a list, which begins with "- From grade 11; what the class knows. 45
 minutes: how they are spent." and "- Goal: what the lesson teaches.". Formulas are LaTeX between
 dollar signs. A lesson without a `scene` has a stage: a file of JavaScript beside it that sets
-`stages["NAME"]`, as `_framework/assets/lab.js` says. Chinese texts, in `zh.toml`, are optional.
+`stages["NAME"]`, as `web/assets/lab.js` says. Chinese texts, in `zh.toml`, are optional.
 """
 
 from collections.abc import Mapping

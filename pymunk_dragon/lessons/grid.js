@@ -75,7 +75,7 @@ stages.grid = (lab) => {
   lab.knob(["The bench that is picked: drag to another one", "选中的板凳：拖到另一节上"], {
     at: () => [benches.poses.x[picked], benches.poses.y[picked]],
     moved: (point, way) => {
-      picked = way ? Math.max(picked + way, 0) : (benches.at(point, Infinity) ?? picked);
+      picked = way ? Math.max(picked + way, 0) : (benchAt(benches, point, Infinity) ?? picked);
     },
   });
   lab.readout = () => {

@@ -17,18 +17,6 @@ from pymunk_dragon.web.html import asset, embedded_json
 from pymunk_dragon.web.page import catalogue, document
 
 PLAYER_ENDINGS = (".html",)
-# The player's own scripts; each uses only those before it.
-_SCRIPTS = (
-    "decode",
-    "motion",
-    "exact",
-    "picture",
-    "timeline",
-    "link",
-    "player",
-    "controls",
-    "main",
-)
 
 
 def write_player(run: Run, path: str | Path, *, title: str | None = None) -> None:
@@ -97,9 +85,9 @@ def player_page(run: Run, *, title: str | None = None) -> str:
     # A file cannot hold halves of surrogate pairs.
     heading = title.encode("utf-8", "replace").decode("utf-8") if title else english[0]
     page, _ = document(
+        "player",
         asset(__package__, "assets/player.html"),
         asset(__package__, "assets/layout.css"),
-        "".join(asset(__package__, f"assets/{name}.js") for name in _SCRIPTS),
         language=language(),
         title=escape(heading),
         subtitle=escape(english[1]),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import tomllib
 from dataclasses import asdict
 from html import escape
@@ -9,9 +10,6 @@ from html import escape
 from pymunk_dragon.drawing.palette import COLOURS, Palette
 from pymunk_dragon.web.html import asset, policy, substituted
 
-# Scripts of both pages; each uses only those before it.
-_SCRIPTS = ["common", "texts", "geometry", "pane", "view"]
-_SCRIPTS += ["format", "marks", "paint", "pointer", "stage"]
 # Parts of pages that stand in the place of {{name}}.
 _PARTS = ("zoom", "help_tools", "help")
 # What `<svg>` in the pages' HTML stands for: an icon of a control, which has a name.
@@ -32,19 +30,31 @@ DARK = Palette(
 )
 
 
+def scripts(*groups: str) -> list[str]:
+    """Texts of groups of scripts, in their order.
+
+    A player has the groups "viewer" and "player", a live page "viewer" and "live"; a page of
+    lessons has "lab", the stages of its lessons, and "lessons".
+    """
+    order = json.loads(_shared("scripts.json"))
+    return [_shared(f"{name}.js") for group in groups for name in order[group]]
+
+
 def document(
+    page: str,
     body: str,
     style: str,
-    script: str,
     connections: str = "",
     **values: str,
 ) -> tuple[str, str]:
-    """HTML of a page around its own parts, and its content security policy.
+    """HTML of a viewer around its own parts, and its content security policy.
 
     Parameters
     ----------
-    body, style, script : str
-        The page's own HTML, style and script.
+    page : str
+        The group of its own scripts: "player" or "live".
+    body, style : str
+        The page's own HTML and style.
     connections : str
         Directives that are added to the policy.
     **values : str
@@ -53,15 +63,15 @@ def document(
     parts = {name: _shared(f"{name}.html") for name in _PARTS}
     parts["zoom"] = parts["zoom"].replace("<svg>", _ICON)
 
-    page = _shared("head.html") + body + _shared("tail.html")
-    page = page.replace("<svg>", _ICON)
+    html = _shared("head.html") + body + _shared("tail.html")
+    html = html.replace("<svg>", _ICON)
 
     style = colour_variables() + _shared("page.css") + style
-    script = "".join(_shared(f"{name}.js") for name in _SCRIPTS) + script
+    script = "".join(scripts("viewer", page))
     rules = policy(style, script) + connections
 
     values |= {"policy": escape(rules), "style": style, "script": script}
-    return substituted(page, **parts, **values), rules
+    return substituted(html, **parts, **values), rules
 
 
 def catalogue(*packages: str) -> dict[str, str]:

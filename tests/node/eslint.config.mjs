@@ -1,5 +1,5 @@
 // Rules for the scripts of the pages. All but one are classic scripts, which Python joins into one
-// per page: what a script declares at its top is a global of the others on the same page.
+// per page: what a script declares at its top is a global of those that follow it on a page.
 
 import { readdirSync, readFileSync } from "node:fs";
 import path from "node:path";
@@ -9,43 +9,50 @@ import globals from "globals";
 
 const ROOT = path.resolve(import.meta.dirname, "../..");
 const MODULE = "pymunk_dragon/sessions/assets/widget.js";
-
-// The folders of the scripts of each page; those of the first one are on all pages.
-const SHARED = "pymunk_dragon/web/assets";
-const PAGES = [
-  ["pymunk_dragon/player/assets"],
-  ["pymunk_dragon/sessions/assets"],
-  ["pymunk_dragon/lessons/_framework/assets", "pymunk_dragon/lessons"],
-];
+const ASSETS = "pymunk_dragon/web/assets";
+const LESSONS = "pymunk_dragon/lessons";
 
 const DECLARATION = /^(?:async )?(?:const|let|class|function\*?) ([\w$]+)/gm;
 const COMMENT = /(?:^|\s)\/\/ .*$/gm;
 
-function readScripts(folder) {
-  const names = readdirSync(path.join(ROOT, folder)).filter((name) => name.endsWith(".js"));
-  return names.map((name) => {
-    const file = `${folder}/${name}`;
-    const source = readFileSync(path.join(ROOT, file), "utf8").replace(COMMENT, "");
-    const declared = Array.from(source.matchAll(DECLARATION), ([, found]) => found);
-    return { file, declared, words: new Set(source.match(/[\w$]+/g)) };
-  });
+function readScript(file) {
+  const source = readFileSync(path.join(ROOT, file), "utf8").replace(COMMENT, "");
+  const declared = Array.from(source.matchAll(DECLARATION), ([, found]) => found);
+  return { file, declared, words: new Set(source.match(/[\w$]+/g)) };
 }
 
-// The settings of one script, with the others of its page or, if it is shared, of all pages.
-function settingsOf(script, others, seen) {
-  const declared = seen.flatMap((other) => other.declared);
-  const used = script.declared.filter((name) => others.some(({ words }) => words.has(name)));
+const groups = JSON.parse(readFileSync(path.join(ROOT, ASSETS, "scripts.json"), "utf8"));
+const named = (group) => groups[group].map((name) => readScript(`${ASSETS}/${name}.js`));
+const stages = readdirSync(path.join(ROOT, LESSONS))
+  .filter((name) => name.endsWith(".js"))
+  .map((name) => readScript(`${LESSONS}/${name}`));
+// The scripts of each page, in their order.
+const pages = [
+  [...named("viewer"), ...named("player")],
+  [...named("viewer"), ...named("live")],
+  [...named("lab"), ...stages, ...named("lessons")],
+];
+
+// The settings of one script. It sees what is declared before it on each of its pages.
+function settingsOf(file) {
+  const own = pages.filter((page) => page.some((script) => script.file === file));
+  const before = own.map((page) => {
+    const place = page.findIndex((script) => script.file === file);
+    return new Set(page.slice(0, place).flatMap(({ declared }) => declared));
+  });
+  const seen = [...before[0]].filter((name) => before.every((names) => names.has(name)));
+  const { declared } = own[0].find((script) => script.file === file);
+  const others = own.flat().filter((script) => script.file !== file);
+  const used = declared.filter((name) => others.some(({ words }) => words.has(name)));
   return {
-    files: [script.file],
-    languageOptions: { globals: Object.fromEntries(declared.map((name) => [name, "readonly"])) },
+    files: [file],
+    languageOptions: { globals: Object.fromEntries(seen.map((name) => [name, "readonly"])) },
     // A name of the script's own that only others use is used.
     rules: { "no-unused-vars": ["error", { varsIgnorePattern: `^(?:${used.join("|")})$` }] },
   };
 }
 
-const shared = readScripts(SHARED);
-const pages = PAGES.map((folders) => folders.flatMap(readScripts));
-const without = (scripts, script) => scripts.filter((other) => other !== script);
+const files = new Set(pages.flat().map(({ file }) => file));
 
 export default defineConfig([
   { files: ["**/*.js"], extends: [js.configs.recommended] },
@@ -64,14 +71,5 @@ export default defineConfig([
     },
   },
   { files: [MODULE], languageOptions: { sourceType: "module" } },
-  ...shared.map((script) => {
-    const seen = without(shared, script);
-    return settingsOf(script, [...seen, ...pages.flat()], seen);
-  }),
-  ...pages.flatMap((page) =>
-    page.map((script) => {
-      const seen = without(page, script);
-      return settingsOf(script, seen, [...shared, ...seen]);
-    }),
-  ),
+  ...Array.from(files, settingsOf),
 ]);

@@ -32,13 +32,81 @@ interface BenchSizes {
   spacings: ArrayLike<number>;
 }
 
-interface DrawnBenches extends BenchSizes {
-  narrowest: number;
+/** What view and painter need of a dragon or of a scene; lengths in m or in the scene's units. */
+interface DrawnModel extends BenchSizes, Subject {
+  widths: ArrayLike<number>;
+  hole: number;
+  /** x0, y0, x1, y1, ... */
+  curve: ArrayLike<number>;
+  curveError: number;
+  grid: Grid | null;
+  nearMisses: NearMiss[];
+  units: string;
+  unitOf: Record<Kind | "impulse", string>;
 }
 
-interface MovingBenches extends DrawnBenches {
-  velocitiesOf(poses: any): Point[] | null;
-  errorAt(time: number, bench: number): number;
+/** A view or a pane: coordinates of its own on a canvas. */
+interface Plane {
+  toScreen(x: number, y: number): Point;
+  toWorld(px: number, py: number): Point;
+}
+
+/** Exact benches, and the errors below which they are not drawn; all are without them. */
+interface Ghosts {
+  benches: Benches<DrawnModel>;
+  errors: ArrayLike<number> | null;
+}
+
+/** What a source of pictures has at a time. */
+interface Moment<M extends DrawnModel = DrawnModel, P extends Poses = Poses> {
+  time: number;
+  benches: Benches<M, P>;
+  inContact: Set<number>;
+  /** The first bench whose dancers let go. */
+  freeFrom: number | null;
+}
+
+interface RecordedMoment extends Moment<Recording, Poses & Rates> {
+  /** Pairs of benches in contact. */
+  pairs: Pair[];
+}
+
+interface LiveMoment extends Moment {
+  calls: Call[];
+  joints: Joint[];
+  cuts: number[];
+  /** Points, normals and impulses of contacts. */
+  contacts: Float32Array;
+}
+
+/** What a painter draws: a moment, and what the stage adds to it. */
+interface Picture extends Moment {
+  show: Record<string, boolean>;
+  /** The bench that is highlighted. */
+  pointed: number | null;
+  ghosts: Ghosts | null;
+}
+
+interface RunPicture extends Picture {
+  pairs: Pair[];
+  /** Of the handles. */
+  velocities: Point[] | null;
+}
+
+interface LivePicture extends Picture, LiveMoment {
+  scales: Scales;
+  held: Held | null;
+  target: Target | null;
+  /** Whether keys have the canvas, and a cross shows where they act. */
+  aims: boolean;
+}
+
+/** Draws a part of a picture; the numbers are those of the benches in view. */
+type Layer<P extends Picture> = (painter: Painter, picture: P, visible: number[]) => void;
+
+/** What those who extend it add. */
+interface Surface {
+  tick(now: number): void;
 }
 
 interface Gap {
@@ -202,9 +270,7 @@ interface StageControls {
 }
 
 interface Stage {
-  painter: { readColours(): void };
   readonly playing: boolean;
-  tick(now: number): void;
   afterChange(): void;
   setLanguage(name: string): void;
 }

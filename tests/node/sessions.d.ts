@@ -150,22 +150,6 @@ interface Target {
   pixel?: Point;
 }
 
-interface Shown {
-  frame: LiveFrame;
-  poses: Poses;
-  state: LiveState;
-  show: Record<string, boolean>;
-  held: Held | null;
-  target: Target | null;
-  aims: boolean;
-}
-
-interface ShownDragon extends Pick<Shown, "frame" | "state" | "show" | "target"> {
-  benches: Benches<DrawnBenches>;
-  visible: number[];
-  inContact: Set<number>;
-}
-
 /** What takes the messages of a connection, and whether it is open. */
 interface Listeners {
   received(message: any): void;

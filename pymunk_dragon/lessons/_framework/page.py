@@ -16,23 +16,18 @@ from pymunk_dragon.lessons._framework.markup import html
 from pymunk_dragon.lessons._framework.notebook import make_notebook
 from pymunk_dragon.lessons._framework.recording import Recording, record
 from pymunk_dragon.web.html import asset, data_address, filled, policy
-from pymunk_dragon.web.page import colour_variables
+from pymunk_dragon.web.page import colour_variables, scripts
 
 PAGE = ".html"
 NOTEBOOK = ".ipynb"
 PROGRAM = ".py"
-ASSETS = "lessons/_framework/assets"
 MEDIA_TYPES = {
     ".gif": "image/gif",
     ".png": "image/png",
     ".py": "text/x-python",
     ".ipynb": "application/x-ipynb+json",
 }
-# Scripts of the page, between the last two of which the stages of the lessons stand; and its
-# styles.
-SCRIPTS = [f"web/assets/{name}.js" for name in ("common", "geometry", "pane")]
-SCRIPTS += [f"{ASSETS}/{name}.js" for name in ("chain", "lab", "lessons")]
-STYLES = (f"{ASSETS}/lessons.css", f"{ASSETS}/lab.css")
+STYLES = ("assets/lessons.css", "assets/lab.css")
 
 
 def endings(lessons: Sequence[Lesson]) -> tuple[str, ...]:
@@ -110,9 +105,8 @@ def make_page(recordings: Sequence[Recording], language: str = "en", *, live: bo
     """HTML of one page of lessons that were run; `live` if a live server has the page."""
     stages = [found.lesson.path.with_suffix(".js") for found in recordings]
     own = [stage.read_text(encoding="utf-8") for stage in stages if stage.exists()]
-    *shared, last = (asset("pymunk_dragon", name) for name in SCRIPTS)
-    script = "\n".join([*shared, *own, last])
-    style = "\n".join([colour_variables(), *(asset("pymunk_dragon", name) for name in STYLES)])
+    script = "\n".join([*scripts("lab"), *own, *scripts("lessons")])
+    style = "\n".join([colour_variables(), *(asset(__package__, name) for name in STYLES)])
     return filled(
         __package__,
         "assets/lessons.html.j2",

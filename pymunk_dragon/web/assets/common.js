@@ -73,22 +73,6 @@ function* rowsOf(numbers, size) {
   for (let k = 0; k < numbers.length; k += size) yield numbers.subarray(k, k + size);
 }
 
-// The nearest item within a distance, by items and distances; null if there is none.
-/** @type {<T>(slip: number, items: T[], distanceOf: (item: T) => number) => T | null} */
-function nearestWithin(slip, items, distanceOf) {
-  /** @type {any} */
-  let found = null;
-  let nearest = slip;
-  for (const item of items) {
-    const distance = distanceOf(item);
-    if (distance < nearest || (distance === nearest && found === null)) {
-      found = item;
-      nearest = distance;
-    }
-  }
-  return found;
-}
-
 /** @type {(value: number, least: number, most: number) => number} */
 const bounded = (value, least, most) => Math.min(Math.max(value, least), most);
 

@@ -32,10 +32,10 @@ function formatError(metres, error) {
 }
 
 // Numbers of one bench: velocity and speed in m/s, angle in degrees, gap and its error in m.
-/** @type {(benches: Benches<MovingBenches>, bench: number, time: number) => BenchNumbers} */
+/** @type {(benches: Benches<Recording, Poses & Rates>, bench: number, time: number) => BenchNumbers} */
 function benchNumbers(benches, bench, time) {
-  const { motion, poses } = benches;
-  const velocities = motion.velocitiesOf(poses);
+  const { model, poses } = benches;
+  const velocities = model.velocitiesOf(poses);
   const degrees = (360 * poses.angle[bench]) / TURN;
   const other = benches.nearest(bench);
   return {
@@ -43,7 +43,7 @@ function benchNumbers(benches, bench, time) {
     part:
       bench === 0
         ? localized("head")
-        : bench === motion.benches - 1
+        : bench === model.benches - 1
           ? localized("tail")
           : localized("body"),
     velocity: velocities && velocities[bench],
@@ -51,7 +51,7 @@ function benchNumbers(benches, bench, time) {
     angle: degrees - 360 * Math.ceil((degrees - 180) / 360),
     gap: other && other.gap,
     nearest: other && other.bench,
-    error: other && motion.errorAt(time, bench) + motion.errorAt(time, other.bench),
+    error: other && model.errorAt(time, bench) + model.errorAt(time, other.bench),
   };
 }
 

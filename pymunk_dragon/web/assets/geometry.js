@@ -26,13 +26,13 @@ function posesBetween(handles) {
   });
 }
 
-// Benches at their poses; `motion` has their number `benches` and their `lengths`,
+// Benches at their poses; `model` has their number `benches` and their `lengths`,
 // `widths` and `spacings`.
-/** @template {BenchSizes} [M=any] */
+/** @template {BenchSizes} [M=any] @template {Poses} [P=Poses] */
 class Benches {
-  /** @param {M} motion @param {Poses} poses */
-  constructor(motion, poses) {
-    this.motion = motion;
+  /** @param {M} model @param {P} poses */
+  constructor(model, poses) {
+    this.model = model;
     this.poses = poses;
     /** @type {Point[] | undefined} */
     this.cachedHandles = undefined;
@@ -41,7 +41,7 @@ class Benches {
   // Positions of the handles: handle i is the front hole of bench i,
   // the last handle is the tail's rear hole.
   get handles() {
-    const last = this.motion.benches - 1;
+    const last = this.model.benches - 1;
     return (this.cachedHandles ??= range(0, last, last)
       .map((i) => this.hole(i, 1))
       .concat([this.hole(last, -1)]));
@@ -51,7 +51,7 @@ class Benches {
   /** @type {(i: number, side: number) => Point} */
   hole(i, side) {
     const { x, y, cos, sin } = this.poses;
-    const half = (side * this.motion.spacings[i]) / 2;
+    const half = (side * this.model.spacings[i]) / 2;
     return [x[i] + half * cos[i], y[i] + half * sin[i]];
   }
 
@@ -59,8 +59,8 @@ class Benches {
   /** @type {(i: number) => Point[]} */
   corners(i) {
     const { x, y, cos, sin } = this.poses;
-    const along = this.motion.lengths[i] / 2;
-    const across = this.motion.widths[i] / 2;
+    const along = this.model.lengths[i] / 2;
+    const across = this.model.widths[i] / 2;
     return [
       [-along, -across],
       [along, -across],
@@ -75,8 +75,8 @@ class Benches {
     const { x, y, cos, sin } = this.poses;
     const dx = px - x[i];
     const dy = py - y[i];
-    const along = this.motion.lengths[i] / 2;
-    const across = this.motion.widths[i] / 2;
+    const along = this.model.lengths[i] / 2;
+    const across = this.model.widths[i] / 2;
     // In the coordinates of the bench.
     const ahead = dx * cos[i] + dy * sin[i];
     const left = dy * cos[i] - dx * sin[i];
@@ -93,7 +93,7 @@ class Benches {
   /** @type {(i: number, j: number) => number[]} */
   axisGaps(i, j) {
     const { x, y, cos, sin } = this.poses;
-    const { lengths, widths } = this.motion;
+    const { lengths, widths } = this.model;
     const dx = x[j] - x[i];
     const dy = y[j] - y[i];
     const c = Math.abs(cos[i] * cos[j] + sin[i] * sin[j]);
@@ -133,9 +133,9 @@ class Benches {
   // The bench closest to bench `i` among those that are not its neighbours, of the first `count`,
   // with the gap; `found` if that is a smaller one.
   /** @type {(i: number, found?: NearestBench | null, count?: number) => NearestBench | null} */
-  nearest(i, found = null, count = this.motion.benches) {
+  nearest(i, found = null, count = this.model.benches) {
     const { x, y } = this.poses;
-    const { lengths, widths } = this.motion;
+    const { lengths, widths } = this.model;
     /** @type {(k: number) => number} */
     const reach = (k) => Math.sqrt(lengths[k] ** 2 + widths[k] ** 2) / 2;
     for (let j = 0; j < count; j++) {
@@ -150,13 +150,6 @@ class Benches {
     return found;
   }
 
-  // The bench within `slip` m of a point; the lowest number if the point is on several.
-  /** @type {(point: Numbers, slip: number) => number | null} */
-  at(point, slip) {
-    const last = this.motion.benches - 1;
-    return nearestWithin(slip, range(0, last, last), (i) => this.nearestPoint(i, point).distance);
-  }
-
   // Grid cells [row, column] that bench `i` touches or covers: rows count downward,
   // columns to the right.
   /** @type {(i: number, grid: Grid) => Point[]} */
@@ -164,8 +157,8 @@ class Benches {
     const { x, y, cos, sin } = this.poses;
     const u = (x[i] - origin[0]) / cell;
     const v = (origin[1] - y[i]) / cell;
-    const along = this.motion.lengths[i] / 2 / cell;
-    const across = this.motion.widths[i] / 2 / cell;
+    const along = this.model.lengths[i] / 2 / cell;
+    const across = this.model.widths[i] / 2 / cell;
     const c = Math.abs(cos[i]);
     const s = Math.abs(sin[i]);
     const reachU = along * c + across * s + CELL_SLACK;

@@ -1,4 +1,4 @@
-// Overlays: handles, velocities, numbers, contacts and near misses.
+// Overlays of a dragon: handles, velocities, numbers, contacts, near misses, exact benches, grid.
 
 const SMALLEST_HANDLE = 2.2; // pixels: least radius of a handle
 const HANDLE_SIZE = 0.8; // radius of a handle over the diameter of a hole
@@ -18,27 +18,25 @@ const NEAR_MISS_SHOWN = 1.5; // s: a near miss is shown this long before and aft
 const GHOST_WIDTH = 1.5; // pixels: width of the lines
 const GHOST_SHARE = 0.16; // largest width of the lines over that of a bench
 const THINNEST_GHOST = 0.75; // pixels
+const GHOST_SHOWN = 0.75; // pixels: least error that is visible
+const SMALLEST_CELL = 5; // pixels: smallest cell of the grid that is drawn
+const CELL_OPACITY = 0.1; // of covered cells, as in the films
+const LINE_OPACITY = 0.28; // of the grid's lines, as in the films
 const RIMMED_BENCH = 10; // pixels: width of a bench from which on the lines have a rim
 
-/** @type {(painter: Painter, benches: Benches<DrawnBenches>, visible: number[]) => void} */
-function drawHandles(painter, benches, visible) {
+/** @type {Layer<Picture>} */
+function drawHandles(painter, { benches, show }, visible) {
+  if (!show.handles) return;
   const { context, colours, view } = painter;
-  const radius = Math.max(SMALLEST_HANDLE, HANDLE_SIZE * painter.payload.dragon.hole * view.scale);
+  const radius = Math.max(SMALLEST_HANDLE, HANDLE_SIZE * painter.model.hole * view.scale);
   const path = painter.drawHoles(benches, visible, radius, colours.background);
   strokeOnce(context, path, colours.text, Math.min(1.25, 0.4 * radius));
 }
 
-/**
- * @type {(
- *   painter: Painter<MovingBenches>,
- *   benches: Benches<MovingBenches>,
- *   visible: number[],
- * ) => void}
- */
-function drawVelocities(painter, benches, visible) {
-  const { context, colours, motion, view } = painter;
-  const velocities = motion.velocitiesOf(benches.poses);
+/** @type {Layer<RunPicture>} */
+function drawVelocities(painter, { benches, velocities }, visible) {
   if (!velocities) return;
+  const { context, colours, view } = painter;
   const path = new Path2D();
   for (const handle of new Set(visible.flatMap((i) => [i, i + 1]))) {
     const [along, up] = velocities[handle].map((each) => ARROW * each * view.scale);
@@ -67,24 +65,18 @@ function addArrow(path, [px, py], dx, dy) {
 }
 
 // Numbers in the benches.
-/**
- * @type {(
- *   painter: Painter,
- *   benches: Benches<DrawnBenches>,
- *   visible: number[],
- *   inContact: Set<number>,
- * ) => void}
- */
-function drawNumbers(painter, benches, visible, inContact) {
-  const { context, colours, motion, view } = painter;
+/** @type {Layer<Picture>} */
+function drawNumbers(painter, { benches, inContact, show }, visible) {
+  if (!show.labels) return;
+  const { context, colours, model, view } = painter;
   const { x, y, angle } = benches.poses;
-  const thickness = motion.narrowest * view.scale;
+  const thickness = model.narrowest * view.scale;
   if (thickness < NUMBERED_BENCH) {
     painter.setFont("600 12px", "center", "middle");
     /** @type {Point[]} */
     const labelled = [];
     for (const i of visible.toReversed()) {
-      if (i % NUMBER_EVERY && i !== motion.benches - 1 && !inContact.has(i)) continue;
+      if (i % NUMBER_EVERY && i !== model.benches - 1 && !inContact.has(i)) continue;
       const [px, py] = view.toScreen(x[i], y[i]);
       if (
         labelled.some(
@@ -108,26 +100,21 @@ function drawNumbers(painter, benches, visible, inContact) {
     context.translate(px, py);
     context.rotate(turn);
     context.fillStyle =
-      inContact.has(i) || i === motion.benches - 1 ? colours.background : colours.ink;
+      inContact.has(i) || i === model.benches - 1 ? colours.background : colours.ink;
     context.fillText(String(i), 0, 0.04 * thickness);
     context.setTransform(upright);
   }
 }
 
-/**
- * @type {(
- *   painter: Painter,
- *   time: number,
- *   benches: Benches<DrawnBenches>,
- *   touching: { benches: Pair }[],
- * ) => void}
- */
-function drawContacts(painter, time, benches, touching) {
+// A ring at each contact, and each near miss about its time.
+/** @type {Layer<RunPicture>} */
+function drawContacts(painter, { time, benches, pairs, show }) {
+  if (!show.contacts) return;
   const { view } = painter;
-  for (const { benches: two } of touching) {
+  for (const two of pairs) {
     drawRing(painter, view.toScreen(...benches.gap(...two).ends[0]));
   }
-  for (const miss of painter.payload.near_misses) {
+  for (const miss of painter.model.nearMisses) {
     if (Math.abs(miss.time - time) > NEAR_MISS_SHOWN) continue;
     const { ends } = benches.gap(...miss.benches);
     const [one, two] = ends.map((end) => view.toScreen(...end));
@@ -163,14 +150,59 @@ function drawRing({ context, colours }, [px, py], inner = 0) {
   strokeTwice(context, path, colours.background, colours.force, 2, 1.5);
 }
 
-// Outlines of the exact benches `chosen` of `ghosts`, on top of the others.
-/** @type {(painter: Painter, ghosts: Benches<DrawnBenches>, chosen: number[]) => void} */
-function drawGhosts(painter, ghosts, chosen) {
-  const { context, colours, view } = painter;
+// Outlines of exact benches, on top of the others: of all, or of those whose errors are visible.
+/** @type {Layer<Picture>} */
+function drawGhosts(painter, { ghosts }) {
+  if (!ghosts) return;
+  const { benches, errors } = ghosts;
+  const { context, colours, view, model } = painter;
+  const least = GHOST_SHOWN / view.scale;
   const path = new Path2D();
-  for (const i of chosen) painter.outline(path, ghosts, i);
-  const bench = ghosts.motion.narrowest * view.scale;
+  for (const i of painter.visible(benches)) {
+    if (!errors || errors[i] >= least) painter.outline(path, benches, i);
+  }
+  const bench = model.narrowest * view.scale;
   const width = Math.min(GHOST_WIDTH, Math.max(THINNEST_GHOST, GHOST_SHARE * bench));
   if (bench >= RIMMED_BENCH) strokeTwice(context, path, colours.background, colours.motion, width);
   else strokeOnce(context, path, colours.motion, width);
+}
+
+// The paper's grid for the search for contacts: its lines, and the cells that benches cover.
+/** @type {Layer<Picture>} */
+function drawGrid(painter, { benches, show }, visible) {
+  const { context, colours, view, model } = painter;
+  const { grid } = model;
+  if (!show.grid || !grid) return;
+  const { cell, origin } = grid;
+  const size = cell * view.scale;
+  if (size < SMALLEST_CELL) return;
+  /** @type {(row: number, column: number) => Point} */
+  const corner = (row, column) => view.toScreen(origin[0] + column * cell, origin[1] - row * cell);
+  const covered = new Path2D();
+  for (const i of visible) {
+    for (const [row, column] of benches.cells(i, grid)) {
+      covered.rect(...corner(row, column), size, size);
+    }
+  }
+  context.fillStyle = context.strokeStyle = colours.grid;
+  context.globalAlpha = CELL_OPACITY;
+  context.fill(covered);
+  const [west, north] = view.toWorld(0, 0);
+  const lines = new Path2D();
+  for (
+    let [, py] = corner(Math.ceil((origin[1] - north) / cell), 0);
+    py <= view.height;
+    py += size
+  ) {
+    lines.moveTo(0, py);
+    lines.lineTo(view.width, py);
+  }
+  for (let [px] = corner(0, Math.ceil((west - origin[0]) / cell)); px <= view.width; px += size) {
+    lines.moveTo(px, 0);
+    lines.lineTo(px, view.height);
+  }
+  context.lineWidth = 1;
+  context.globalAlpha = LINE_OPACITY;
+  context.stroke(lines);
+  context.globalAlpha = 1;
 }

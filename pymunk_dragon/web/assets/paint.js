@@ -1,5 +1,5 @@
-// Draws the benches and the curve. Many benches share a path,
-// because drawing a path costs more than extending it.
+// Draws a moment of a run or of a live session: the benches, the curve, and what is chosen to be
+// seen with them. Many benches share a path, because drawing a path costs more than extending it.
 
 const CURVE_WIDTH = 0.04; // width of the curve over that of a bench, as in the films
 const THINNEST_CURVE = 1; // pixels
@@ -9,99 +9,76 @@ const OUTLINE_WIDTH = 0.06; // width of outlines over that of a bench
 const THINNEST_OUTLINE = 0.5; // pixels
 const HEAD_BORDER = 3; // times: border of the head in contact
 const THICKEST_OUTLINE = 1.25; // pixels
+const PALE = 0.55; // weight of the background in the colour of benches whose dancers let go
 
-/** @template {DrawnBenches} [M=any] */
+// Draws pictures of a model, the dragon of a recording or the scene of a live session, in layers:
+// each draws a part of the picture on those before it.
+/** @template {Picture} [P=any] */
 class Painter {
   /**
-   * @param {HTMLCanvasElement} canvas
-   * @param {M} motion
+   * @param {Surface} surface
    * @param {View} view
-   * @param {Payload} payload
-   * @param {ArrayLike<number>} curve
+   * @param {DrawnModel} model
+   * @param {Layer<P>[]} layers
    */
-  constructor(canvas, motion, view, payload, curve) {
-    this.canvas = canvas;
-    this.context = /** @type {CanvasRenderingContext2D} */ (
-      canvas.getContext("2d", { alpha: false })
-    );
-    this.motion = motion;
+  constructor(surface, view, model, layers) {
+    this.surface = surface;
     this.view = view;
-    this.payload = payload;
-    this.curve = curve; // in m: x0, y0, x1, y1, ...
-    this.curveError = payload.curve_error;
-    this.colours = readColours();
-    this.font = fontOf(document.body);
+    this.model = model;
+    this.layers = layers;
   }
 
-  readColours() {
-    this.colours = readColours();
-    this.font = fontOf(document.body);
+  get context() {
+    return this.surface.context;
   }
 
-  resize() {
-    Object.assign(this.view, fitCanvas(this.canvas, this.context));
+  get colours() {
+    return this.surface.colours;
   }
 
-  clear() {
-    const { context, view, colours } = this;
-    context.fillStyle = colours.background;
-    context.fillRect(0, 0, view.width, view.height);
-    context.lineJoin = context.lineCap = "round";
+  get font() {
+    return this.surface.font;
+  }
+
+  /** @type {(picture: P) => void} */
+  draw(picture) {
+    const visible = this.visible(picture.benches);
+    this.surface.clear();
+    this.context.lineCap = "round";
+    for (const layer of this.layers) layer(this, picture, visible);
   }
 
   // Numbers of the benches in the view, from the tail to the head.
   /** @type {(benches: { poses: Poses }) => number[]} */
   visible({ poses: { x, y } }) {
-    const { view, motion } = this;
+    const { view, model } = this;
     const found = [];
-    for (let i = motion.benches - 1; i >= 0; i--) {
-      if (view.isVisible(x[i], y[i], motion.lengths[i])) found.push(i);
+    for (let i = model.benches - 1; i >= 0; i--) {
+      if (view.isVisible(x[i], y[i], model.lengths[i])) found.push(i);
     }
     return found;
   }
 
-  drawCurve() {
-    const { context, view, curve } = this;
-    // The error of a chord over n intervals is n^2 times that over one.
-    const stride = Math.max(
-      1,
-      Math.floor(Math.sqrt(CURVE_ERROR_SHOWN / (view.scale * this.curveError))),
-    );
-    const path = new Path2D();
-    const last = curve.length / 2 - 1;
-    /** @type {number | null} */
-    let drawn = null; // the point up to which the curve is drawn
-    for (let from = 0; from < last; from += stride) {
-      const to = Math.min(from + stride, last);
-      const x = curve[2 * from];
-      const y = curve[2 * from + 1];
-      const nextX = curve[2 * to];
-      const nextY = curve[2 * to + 1];
-      if (!view.isVisible(x, y, Math.hypot(nextX - x, nextY - y))) continue;
-      if (drawn !== from) path.moveTo(...view.toScreen(x, y));
-      path.lineTo(...view.toScreen(nextX, nextY));
-      drawn = to;
-    }
-    const width = Math.max(THINNEST_CURVE, CURVE_WIDTH * this.motion.narrowest * view.scale);
-    strokeOnce(context, path, this.colours.curve, width);
-  }
-
-  /** @type {(path: Path2D, benches: Benches<DrawnBenches>, i: number) => void} */
+  /** @type {(path: Path2D, benches: Benches<DrawnModel>, i: number) => void} */
   outline(path, benches, i) {
-    const [first, ...rest] = benches.corners(i);
-    path.moveTo(...this.view.toScreen(...first));
-    for (const corner of rest) path.lineTo(...this.view.toScreen(...corner));
-    path.closePath();
+    addPolygon(path, this.view, benches.corners(i));
   }
 
-  /** @type {(benches: Benches<DrawnBenches>, visible: number[], inContact: Set<number>) => void} */
-  drawBenches(benches, visible, inContact) {
-    const { context, colours, motion, view } = this;
-    const tail = motion.benches - 1;
+  /**
+   * @type {(
+   *   benches: Benches<DrawnModel>,
+   *   visible: number[],
+   *   inContact: Set<number>,
+   *   pale?: boolean,
+   * ) => void}
+   */
+  drawBenches(benches, visible, inContact, pale = false) {
+    const { context, colours, model, view } = this;
+    const tail = model.benches - 1;
     /** @type {(i: number) => boolean} */
     const special = (i) => i === 0 || i === tail || inContact.has(i);
     const thin = Math.min(
-      Math.max(OUTLINE_WIDTH * motion.narrowest * view.scale, THINNEST_OUTLINE),
+      Math.max(OUTLINE_WIDTH * model.narrowest * view.scale, THINNEST_OUTLINE),
       THICKEST_OUTLINE,
     );
     /** @type {(chosen: number[], border?: string, width?: number) => void} */
@@ -109,7 +86,7 @@ class Painter {
       if (!chosen.length) return;
       const path = new Path2D();
       for (const i of chosen) this.outline(path, benches, i);
-      context.fillStyle = this.colourOf(chosen[0], inContact);
+      context.fillStyle = this.colourOf(chosen[0], inContact, pale);
       context.fill(path);
       strokeOnce(context, path, border, width);
     };
@@ -119,13 +96,13 @@ class Painter {
       if (i === 0 && inContact.has(0)) paint([0], colours.contact, HEAD_BORDER * thin);
       else paint([i]);
     }
-    const radius = (this.payload.dragon.hole / 2) * view.scale;
+    const radius = (this.model.hole / 2) * view.scale;
     if (2 * radius >= SMALLEST_HOLE) this.drawHoles(benches, visible, radius, colours.ink);
   }
 
   /**
    * @type {(
-   *   benches: Benches<DrawnBenches>,
+   *   benches: Benches<DrawnModel>,
    *   visible: number[],
    *   radius: number,
    *   colour: string,
@@ -145,7 +122,7 @@ class Painter {
   }
 
   // The highlighted bench is drawn on top, with an outline.
-  /** @type {(benches: Benches<DrawnBenches>, i: number, inContact: Set<number>) => void} */
+  /** @type {(benches: Benches<DrawnModel>, i: number, inContact: Set<number>) => void} */
   drawPointed(benches, i, inContact) {
     const { context, colours } = this;
     const path = new Path2D();
@@ -153,20 +130,18 @@ class Painter {
     strokeTwice(context, path, colours.background, colours.text, 5, 2);
     context.fillStyle = this.colourOf(i, inContact);
     context.fill(path);
-    this.drawHoles(benches, [i], (this.payload.dragon.hole / 2) * this.view.scale, colours.ink);
+    this.drawHoles(benches, [i], (this.model.hole / 2) * this.view.scale, colours.ink);
   }
 
   // The head keeps its colour in contact, and gets a border in the colour of the contact.
-  /** @type {(i: number, inContact: Set<number>) => string} */
-  colourOf(i, inContact) {
-    const { contact, head, tail, body } = this.colours;
-    return i === 0
-      ? head
-      : inContact.has(i)
-        ? contact
-        : i === this.motion.benches - 1
-          ? tail
-          : body;
+  /** @type {(i: number, inContact: Set<number>, pale?: boolean) => string} */
+  colourOf(i, inContact, pale = false) {
+    const { contact, head, tail, body, background } = this.colours;
+    let colour = body;
+    if (i === this.model.benches - 1) colour = tail;
+    if (inContact.has(i)) colour = contact;
+    if (i === 0) colour = head;
+    return pale ? mixed(colour, background, PALE) : colour;
   }
 
   /**
@@ -192,32 +167,43 @@ class Painter {
   }
 }
 
-// A line with a rim of the background's colour.
-/**
- * @type {(
- *   context: CanvasRenderingContext2D,
- *   path: Path2D,
- *   rim: string,
- *   colour: string,
- *   width: number,
- *   rimWidth?: number,
- * ) => void}
- */
-function strokeTwice(context, path, rim, colour, width, rimWidth = 1) {
-  strokeOnce(context, path, rim, width + 2 * rimWidth);
-  strokeOnce(context, path, colour, width);
+// ---- the first layers
+
+/** @type {(painter: Painter, picture: Picture) => void} */
+function drawCurve(painter, { show }) {
+  if (!show.curve) return;
+  const { context, view, model } = painter;
+  const { curve } = model;
+  // The error of a chord over n intervals is n^2 times that over one.
+  const stride = Math.max(
+    1,
+    Math.floor(Math.sqrt(CURVE_ERROR_SHOWN / (view.scale * model.curveError))),
+  );
+  const path = new Path2D();
+  const last = curve.length / 2 - 1;
+  /** @type {number | null} */
+  let drawn = null; // the point up to which the curve is drawn
+  for (let from = 0; from < last; from += stride) {
+    const to = Math.min(from + stride, last);
+    const x = curve[2 * from];
+    const y = curve[2 * from + 1];
+    const nextX = curve[2 * to];
+    const nextY = curve[2 * to + 1];
+    if (!view.isVisible(x, y, Math.hypot(nextX - x, nextY - y))) continue;
+    if (drawn !== from) path.moveTo(...view.toScreen(x, y));
+    path.lineTo(...view.toScreen(nextX, nextY));
+    drawn = to;
+  }
+  const width = Math.max(THINNEST_CURVE, CURVE_WIDTH * model.narrowest * view.scale);
+  strokeOnce(context, path, painter.colours.curve, width);
 }
 
-/**
- * @type {(
- *   context: CanvasRenderingContext2D,
- *   path: Path2D,
- *   colour: string,
- *   width: number,
- * ) => void}
- */
-function strokeOnce(context, path, colour, width) {
-  context.strokeStyle = colour;
-  context.lineWidth = width;
-  context.stroke(path);
+// Benches whose dancers let go are pale; the others are above them.
+/** @type {(painter: Painter, picture: Picture, visible: number[]) => void} */
+function drawDragon(painter, { benches, inContact, freeFrom, pointed }, visible) {
+  const free = visible.filter((i) => freeFrom !== null && i >= freeFrom);
+  const others = visible.filter((i) => freeFrom === null || i < freeFrom);
+  painter.drawBenches(benches, free, inContact, true);
+  painter.drawBenches(benches, others, inContact);
+  if (pointed !== null) painter.drawPointed(benches, pointed, inContact);
 }

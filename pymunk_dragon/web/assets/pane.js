@@ -125,13 +125,13 @@ class Pane {
     this.context.clip();
   }
 
-  /** @type {(point: Numbers) => Point} */
-  toScreen([x, y]) {
+  /** @type {(x: number, y: number) => Point} */
+  toScreen(x, y) {
     return [this.left + (x - this.x0) * this.sx, this.ceiling + (this.y0 - y) * this.sy];
   }
 
-  /** @type {(pixel: Numbers) => Point} */
-  toWorld([px, py]) {
+  /** @type {(px: number, py: number) => Point} */
+  toWorld(px, py) {
     return [this.x0 + (px - this.left) / this.sx, this.y0 - (py - this.ceiling) / this.sy];
   }
 
@@ -147,7 +147,7 @@ class Pane {
     /** @type {"moveTo" | "lineTo"} */
     let next = "moveTo";
     for (const point of points) {
-      const [px, py] = this.toScreen(point);
+      const [px, py] = this.toScreen(point[0], point[1]);
       const valid = Number.isFinite(px + py);
       if (valid) path[next](px, py);
       next = valid ? "lineTo" : "moveTo";
@@ -182,7 +182,7 @@ class Pane {
   dot(point, { colour = "text", radius = 4 } = {}) {
     const { context } = this;
     context.beginPath();
-    context.arc(...this.toScreen(point), radius, 0, TURN);
+    context.arc(...this.toScreen(point[0], point[1]), radius, 0, TURN);
     Object.assign(context, {
       fillStyle: this.colour(colour),
       strokeStyle: this.colour("background"),
@@ -202,7 +202,7 @@ class Pane {
    */
   text(point, text, { dx = 0, dy = 0, align = "center", colour = "text" } = {}) {
     const { context } = this;
-    const [px, py] = this.toScreen(point);
+    const [px, py] = this.toScreen(point[0], point[1]);
     Object.assign(context, {
       font: `${this.size}px ${this.look.font}`,
       textAlign: align,
@@ -216,6 +216,49 @@ class Pane {
     context.strokeText(text, px + dx, py + dy);
     context.fillText(text, px + dx, py + dy);
   }
+}
+
+// A mixture of two colours: the second has the weight `share`.
+/** @type {(one: string, two: string, share: number) => string} */
+const mixed = (one, two, share) => `color-mix(in srgb, ${one}, ${two} ${100 * share}%)`;
+
+// A line with a rim of the background's colour.
+/**
+ * @type {(
+ *   context: CanvasRenderingContext2D,
+ *   path: Path2D,
+ *   rim: string,
+ *   colour: string,
+ *   width: number,
+ *   rimWidth?: number,
+ * ) => void}
+ */
+function strokeTwice(context, path, rim, colour, width, rimWidth = 1) {
+  strokeOnce(context, path, rim, width + 2 * rimWidth);
+  strokeOnce(context, path, colour, width);
+}
+
+/**
+ * @type {(
+ *   context: CanvasRenderingContext2D,
+ *   path: Path2D,
+ *   colour: string,
+ *   width: number,
+ * ) => void}
+ */
+function strokeOnce(context, path, colour, width) {
+  context.strokeStyle = colour;
+  context.lineWidth = width;
+  context.stroke(path);
+}
+
+// Add a polygon to a path; `plane` is a pane or a view.
+/** @type {(path: Path2D, plane: Plane, corners: Point[]) => void} */
+function addPolygon(path, plane, corners) {
+  const [first, ...others] = corners;
+  path.moveTo(...plane.toScreen(...first));
+  for (const corner of others) path.lineTo(...plane.toScreen(...corner));
+  path.closePath();
 }
 
 // Round numbers between two limits, not more than `density` for each 1.

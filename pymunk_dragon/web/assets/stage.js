@@ -7,25 +7,30 @@ const REPEATED = /^(arrow.*|[-+=wasd])$/; // keys that act again while they are 
 const MODIFIERS = /^(control|meta|alt)$/;
 
 // Pages add `tick`, which draws, `afterChange`, which is called after a change, and `playing`.
-class Stage {
-  /** @param {View} view @param {string[]} switches @param {string[]} shown */
-  constructor(view, switches, shown) {
-    this.view = view;
+/** @template {Picture} [P=any] */
+class Stage extends Surface {
+  /**
+   * @param {DrawnModel} model
+   * @param {Layer<P>[]} layers
+   * @param {string[]} switches
+   * @param {string[]} shown
+   */
+  constructor(model, layers, switches, shown) {
+    super(element("field"));
+    this.view = new View(model);
+    this.painter = new Painter(this, this.view, model, layers);
     /** @type {string | null} */
     this.follow = "field"; // or "head", or null for a fixed view
     /** @type {Record<string, boolean>} */
     this.shown = Object.fromEntries(switches.map((name) => [name, shown.includes(name)]));
     /** @type {Point | null} */
     this.pixel = null; // position of the mouse
-    /** @type {number | null} */
-    this.frameRequest = null;
   }
 
-  requestDraw() {
-    this.frameRequest ??= requestAnimationFrame((now) => {
-      this.frameRequest = null;
-      this.tick(now);
-    });
+  resize() {
+    super.resize();
+    this.view.width = this.width;
+    this.view.height = this.height;
   }
 
   // Before drawing: what the view follows.
@@ -120,11 +125,7 @@ function connectStage(stage, { buttons, keys, pointers, takes }) {
     },
     ...pointers,
   });
-  new ResizeObserver(() => stage.requestDraw()).observe(element("field"));
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
-    stage.painter.readColours();
-    stage.requestDraw();
-  });
+  stage.watch();
 }
 
 // Keys that click an element, unless it is hidden.

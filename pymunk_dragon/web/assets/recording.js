@@ -1,4 +1,5 @@
-// Poses of the benches, velocities of the handles and benches in contact at any time.
+// A recording of a run as a source of pictures: poses of the benches, velocities of the handles and
+// benches in contact at any time.
 
 // s: a contact is shown this much before it begins, as times in links are rounded.
 const LINK_TOLERANCE = 1e-6;
@@ -45,14 +46,14 @@ function hermite(one, two, interval, share, i) {
   };
 }
 
-class Motion {
-  /** @param {Payload} payload @param {Packed} packed @param {Packed | undefined} velocities */
-  constructor(payload, packed, velocities) {
+class Recording {
+  /** @param {Payload} payload @param {Record<string, Packed>} packed */
+  constructor(payload, { handles, velocities, exact, curve }) {
     const { benches, head_spacing, body_spacing, overhang, width } = payload.dragon;
     this.times = Float64Array.from(payload.times);
     this.begin = this.times[0];
     this.end = this.times[this.times.length - 1];
-    this.packed = packed;
+    this.packed = handles;
     this.velocities = velocities;
     this.positionError = payload.errors[0]; // m
     this.velocityError = payload.errors[1]; // m/s
@@ -69,14 +70,24 @@ class Motion {
     this.spacings[0] = head_spacing;
     const overhangs = each(overhang);
     this.lengths = this.spacings.map((spacing, i) => spacing + 2 * overhangs[i]);
+    this.hole = payload.dragon.hole;
+    this.curve = vectorsOf(curve, curve.counts);
+    this.curveError = payload.curve_error; // m
+    this.grid = payload.grid;
+    this.nearMisses = payload.near_misses;
     this.windows = payload.windows;
+    this.exact = exact && new Exact(this, exact);
+    this.field = this.coveredField();
+    this.up = 1;
+    this.units = "m";
+    this.unitOf = { force: "N", torque: "N m", impulse: "N s" };
     /** @type {Map<number, FrameMotion>} */
     this.cache = new Map();
   }
 
   // The area that the benches cover during the run: the handles,
   // and the ends of benches beyond them.
-  get field() {
+  coveredField() {
     const { counts, origin, step } = this.packed;
     const low = [Infinity, Infinity];
     const high = [-Infinity, -Infinity];
@@ -187,6 +198,27 @@ class Motion {
       vy: found.map(({ vy }) => vy),
       angularRate: found.map(({ angularRate }) => angularRate),
     };
+  }
+
+  // What there is to see at a time; exact benches and velocities not included.
+  /** @type {(time: number) => RecordedMoment} */
+  momentAt(time) {
+    const benches = new Benches(this, this.posesAt(time));
+    const pairs = this.touchingAt(time).map(({ benches: two }) => two);
+    return { time, benches, pairs, inContact: new Set(pairs.flat()), freeFrom: null };
+  }
+
+  // Exact benches at a time beside `benches`, with magnified distances from these; null if unknown.
+  /**
+   * @type {(
+   *   time: number,
+   *   benches: Benches<DrawnModel>,
+   *   magnification: number,
+   * ) => Ghosts | null}
+   */
+  ghostsAt(time, benches, magnification) {
+    const poses = this.exact?.posesBeside(benches, time, magnification);
+    return poses ? { benches: new Benches(this, poses), errors: null } : null;
   }
 
   // Velocities of the handles, [x, y] in m/s; null if unknown.

@@ -5,19 +5,20 @@ const WHOLE_TIMELINE = 1e-9; // times: so little is the whole run
 const TOUCH_SLIP = 12; // pixels: largest distance of a touch from the bench that it selects
 
 /** @type {(player: Player) => void} */
-function connect(player) {
+function connectPlayer(player) {
   const { view, timeline } = player;
-  connectFields(player);
+  connectPlayerFields(player);
   connectStage(player, {
-    buttons: buttonsOf(player),
+    buttons: playerButtons(player),
     keys: {
-      home: () => player.seek(player.motion.begin),
-      end: () => player.seek(player.motion.end),
+      home: () => player.seek(player.recording.begin),
+      end: () => player.seek(player.recording.end),
     },
     pointers: {
       tapped(pixel, kind) {
         const slip = kind === "mouse" ? 0 : TOUCH_SLIP / view.scale;
-        player.set("selected", player.benches.at(view.toWorld(...pixel), slip));
+        const found = bodyAt(view.toWorld(...pixel), slip, player.moment);
+        player.set("selected", found?.bench ?? null);
       },
     },
   });
@@ -36,10 +37,10 @@ function connect(player) {
 }
 
 /** @type {(player: Player) => Actions} */
-const buttonsOf = (player) => ({
+const playerButtons = (player) => ({
   play: () => player.toggle(),
-  back: () => player.toNext(player.motion.times, -1),
-  forward: () => player.toNext(player.motion.times, 1),
+  back: () => player.toNext(player.recording.times, -1),
+  forward: () => player.toNext(player.recording.times, 1),
   previous: () => player.toNext(player.eventTimes, -1),
   next: () => player.toNext(player.eventTimes, 1),
   last: () => player.playLast(),
@@ -49,7 +50,7 @@ const buttonsOf = (player) => ({
 });
 
 /** @type {(player: Player) => void} */
-function connectFields(player) {
+function connectPlayerFields(player) {
   const time = element("time");
   const rate = element("rate");
   const slow = element("slow");
@@ -67,23 +68,4 @@ function connectFields(player) {
   bench.addEventListener("input", () => {
     if (bench.value !== "" && bench.checkValidity()) player.set("selected", bench.valueAsNumber);
   });
-}
-
-// Events to go to, and the precision of the run, in the page's language.
-/** @type {(player: Player) => void} */
-function writeLists({ events, motion }) {
-  const first = events.length ? localized("Go to an event …") : localized("No events");
-  const options = events.map(
-    ({ time, text }, i) => new Option(`${time.toFixed(2)} s: ${text}`, String(i)),
-  );
-  element("events").replaceChildren(new Option(first, ""), ...options);
-  setText(
-    "precision",
-    localized(
-      "Positions are stored to within {error} μm in {frames} frames; between two frames," +
-        " benches move on cubic polynomials of time that match the positions and velocities of" +
-        " both. Numbers are shown with the digits that are certain.",
-      { error: Number((1e6 * motion.positionError).toPrecision(2)), frames: motion.times.length },
-    ),
-  );
 }

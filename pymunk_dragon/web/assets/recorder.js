@@ -79,7 +79,7 @@ class Recorder {
     const height = scale * field.height;
     const left = Math.max(0, Math.floor((canvas.width - width) / 2));
     const top = Math.max(0, Math.floor((canvas.height - height) / 2));
-    context.fillStyle = this.live.painter.colours.background;
+    context.fillStyle = this.live.colours.background;
     context.fillRect(0, 0, canvas.width, canvas.height);
     context.drawImage(field, left, top, width, height);
   }

@@ -22,10 +22,6 @@ const COLLISION_COLOUR = "#e74c3c";
 const RAMP = ["#ffffcc", "#fed976", "#fd8d3c", "#e31a1c", "#800026"];
 const SHADES = 32; // colours of discs: those of one shade share a path
 
-// A mixture of two colours: the second has the weight `share`.
-/** @type {(one: string, two: string, share: number) => string} */
-const mixed = (one, two, share) => `color-mix(in srgb, ${one}, ${two} ${100 * share}%)`;
-
 const SHADE_COLOURS = Array.from({ length: SHADES }, (_, shade) => {
   const place = (shade / (SHADES - 1)) * (RAMP.length - 1);
   const k = Math.min(Math.floor(place), RAMP.length - 2);
@@ -64,6 +60,22 @@ class LogScale {
   }
 }
 
+// The scales of the forces, torques and impulses of a scene.
+class Scales {
+  constructor() {
+    this.force = new LogScale();
+    this.torque = new LogScale();
+    this.impulse = new LogScale();
+  }
+
+  /** @type {(moment: LiveMoment, now: number) => void} */
+  include({ joints, contacts }, now) {
+    for (const kind of EFFORTS) this[kind].include(largestOf(effortsOf(joints, kind)), now);
+    const impulses = contacts.filter((_, k) => k % CONTACT_SIZE === CONTACT_SIZE - 1);
+    this.impulse.include(largestOf(impulses), now);
+  }
+}
+
 // The largest of numbers that may be NaN; 0 if there are none.
 /** @type {(numbers: Iterable<number>) => number} */
 const largestOf = (numbers) =>
@@ -88,10 +100,17 @@ const LEGEND_HEIGHT = 9; // pixels
 const LEGEND_ROOM = 50; // pixels: height of a legend with its texts
 const BAR_LONGEST = 110; // pixels: longest scale bar
 
-/** @type {(painter: LivePainter, kind: Kind, above: number) => void} */
-function drawLegend(painter, kind, above) {
+// The legends of forces and torques, and the scale bar above them.
+/** @type {(painter: Painter, picture: LivePicture) => void} */
+function drawScales(painter, { show, joints, scales }) {
+  const kinds = EFFORTS.filter((kind) => show.forces && effortsOf(joints, kind).length > 0);
+  kinds.forEach((kind, k) => drawLegend(painter, kind, scales[kind], k * LEGEND_ROOM));
+  drawScaleBar(painter, kinds.length * LEGEND_ROOM);
+}
+
+/** @type {(painter: Painter, kind: Kind, scale: LogScale, above: number) => void} */
+function drawLegend(painter, kind, scale, above) {
   const { context, view, colours, model } = painter;
-  const scale = painter.scales[kind];
   const top = view.height - LEGEND_BOTTOM - LEGEND_HEIGHT - 16 - above;
   const strip = context.createLinearGradient(LEGEND_LEFT, 0, LEGEND_LEFT + LEGEND_WIDTH, 0);
   RAMP.forEach((colour, k) => strip.addColorStop(k / (RAMP.length - 1), colour));
@@ -116,7 +135,7 @@ function drawLegend(painter, kind, above) {
 }
 
 // A length of 1, 2 or 5 times a power of ten m, and a line of that length.
-/** @type {(painter: LivePainter, above: number) => void} */
+/** @type {(painter: Painter, above: number) => void} */
 function drawScaleBar(painter, above) {
   const { context, view, colours } = painter;
   const length = Number((1 / roundUp(view.scale / BAR_LONGEST)).toPrecision(1));

@@ -6,20 +6,37 @@ const EDGE = 14; // pixels between tools or buttons and the edge of the canvas
 const SCALE_BAR_ROOM = 24; // pixels at the lower border that the fitted view leaves free
 const BUILDING_AFTER = 100; // ms
 const ANNOUNCE_EVERY = 1500; // ms: events in between are not announced to screen readers
-const RATE_TIME = 1; // s: the rate of the simulation is an average of so long
-const SLOW = 0.9; // less than this fraction of the chosen speed is marked as slow
-const SWITCHES = ["curve", "handles", "labels", "ghost", "forces", "contacts"];
-const SHOWN_BY_DEFAULT = ["curve", "ghost", "contacts"];
+const SHOWN_OF_SCENE = ["curve", "exact", "contacts"];
+/** @type {DrawnModel} */
+const NO_MODEL = /** @type {any} */ ({
+  field: { centre: [0, 0], size: [1, 1] },
+  widths: [1],
+  narrowest: 1,
+});
 // Scene for a frame on the page of a lesson.
 const STAGE = new URLSearchParams(location.hash.slice(1)).get("stage");
 
+// The first is the lowest.
+const LIVE_LAYERS = [
+  drawCurve,
+  drawCalls,
+  drawDragon,
+  drawGhosts,
+  drawHandles,
+  drawEfforts,
+  drawNumbers,
+  drawCuts,
+  drawImpulses,
+  drawHeld,
+  drawTarget,
+  drawAim,
+  drawScales,
+];
+
+/** @extends {Stage<LivePicture>} */
 class Live extends Stage {
   constructor() {
-    super(
-      new View({ field: { centre: [0, 0], size: [1, 1] }, widths: [1], narrowest: 1 }),
-      SWITCHES,
-      SHOWN_BY_DEFAULT,
-    );
+    super(NO_MODEL, LIVE_LAYERS, LIVE_SWITCHES, SHOWN_OF_SCENE);
     /** @type {LiveScene} */
     this.scene = NOTHING_YET;
     /** @type {LiveState} */
@@ -30,8 +47,9 @@ class Live extends Stage {
     this.model = NOTHING_YET;
     /** @type {ArrayBuffer | null} */
     this.newest = NOTHING_YET;
-    /** @type {Poses | null} */
-    this.framePoses = NOTHING_YET;
+    /** @type {LiveMoment | null} */
+    this.cachedMoment = null;
+    this.scales = new Scales();
     this.rateKind = ""; // what the rate was measured of
     /** @type { { clock: number, time: number }[]} */
     this.ticks = []; // the session's clock and the simulated time in the last second
@@ -40,8 +58,7 @@ class Live extends Stage {
     this.buildingTimer = 0;
     /** @type {LiveEvent[]} */
     this.events = []; // the newest first
-    this.painter = new LivePainter(element("field"), this.view);
-    this.charts = new LiveCharts(this.painter);
+    this.charts = new LiveCharts(this);
     this.sliders = new Sliders(element("parameters"), (message) => this.send(message));
     this.tools = new Tools(this);
     this.recorder = new Recorder(this);
@@ -66,9 +83,9 @@ class Live extends Stage {
     return this.state?.running ?? false;
   }
 
-  // Poses of the newest frame.
-  get poses() {
-    return (this.framePoses ??= posesOf(this.frame.poses));
+  // What there is to see in the newest frame.
+  get moment() {
+    return (this.cachedMoment ??= this.model.momentOf(this.frame, this.state));
   }
 
   /** @type {(message: Message) => void} */
@@ -103,10 +120,11 @@ class Live extends Stage {
     const anew = this.scene?.generation !== scene.generation;
     this.scene = scene;
     this.frame = NOTHING_YET;
-    this.framePoses = null;
+    this.cachedMoment = null;
     this.model = new Model(scene);
     this.view.setSubject(this.model);
-    this.painter.setModel(this.model);
+    this.painter.model = this.model;
+    this.scales = new Scales();
     this.charts.setModel(this.model);
     this.tools.setModel(this.model, same);
     if (anew) this.events = [];
@@ -114,7 +132,9 @@ class Live extends Stage {
     if (!same) {
       this.setFollow("field");
       const own = STAGE && !scene.dragon ? ["forces"] : []; // in a lesson on forces
-      for (const name of SWITCHES) this.shown[name] = [...SHOWN_BY_DEFAULT, ...own].includes(name);
+      for (const name of LIVE_SWITCHES) {
+        this.shown[name] = [...SHOWN_OF_SCENE, ...own].includes(name);
+      }
       setText("announcement", translated(scene.title));
     }
     showScene(this);
@@ -126,6 +146,7 @@ class Live extends Stage {
     if (state.generation !== this.scene?.generation) return;
     if (state.running && !this.playing) this.hideError();
     this.state = state;
+    this.cachedMoment = null;
     this.sliders.setValues(state.values);
     showState(this);
     this.requestDraw();
@@ -203,36 +224,36 @@ class Live extends Stage {
     this.newest = null;
     if (frame.generation !== this.scene?.generation) return;
     this.frame = frame;
-    /** @type {Poses | null} */
-    this.framePoses = null;
+    this.cachedMoment = null;
     this.charts.add(frame);
   }
 
   /** @type {(now: number) => void} */
   tick(now) {
     this.decode();
-    const { frame, state, painter, tools } = this;
-    painter.resize();
-    if (!this.drawn) painter.clear(); // A new canvas is black.
+    const { frame, state, tools } = this;
+    this.resize();
+    if (!this.drawn) this.clear(); // A new canvas is black.
     if (!frame || !state) return;
-    const { poses } = this;
     this.leaveRoom();
-    this.followSubject(poses);
+    this.followSubject(this.moment.benches.poses);
     this.aims = this.pixel === null && element("field").matches(":focus-visible");
     tools.flush();
-    painter.draw({
-      frame,
-      poses,
-      state,
-      show: this.switches,
-      held: tools.held,
-      target: tools.target,
-      aims: this.aims,
-    });
+    this.scales.include(this.moment, now);
+    this.painter.draw(this.picture);
     this.recorder.add();
     this.charts.draw(frame, state, now);
     showFrame(this);
     this.drawn += 1;
+  }
+
+  /** @returns {LivePicture} */
+  get picture() {
+    const { moment, frame, scales, switches: show, aims } = this;
+    const { held, target } = this.tools;
+    const ghosts = show.exact ? this.model.ghostsOf(frame) : null;
+    const pointed = target?.bench ?? null;
+    return { ...moment, show, ghosts, scales, held, target, aims, pointed };
   }
 
   // The fitted view has nothing behind tools, buttons and scale bar.
@@ -247,7 +268,7 @@ class Live extends Stage {
   /** @returns {Record<string, boolean>} */
   get switches() {
     return Object.fromEntries(
-      SWITCHES.map((name) => [name, this.shown[name] && this.hasSwitch(name)]),
+      LIVE_SWITCHES.map((name) => [name, this.shown[name] && this.hasSwitch(name)]),
     );
   }
 

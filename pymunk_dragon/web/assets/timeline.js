@@ -9,9 +9,9 @@ const MARK = 5; // pixels: half the height of a mark
 const LABEL_EVERY = 64; // pixels: least distance of labels
 const LABEL_SIZE = 10; // pixels
 
-/** @type {(payload: Payload) => RunEvent[]} */
-function eventsOf(payload) {
-  const nearMisses = payload.near_misses.map(({ time, benches: [i, j], gap }) => ({
+/** @type {(recording: Recording) => RunEvent[]} */
+function eventsOf(recording) {
+  const nearMisses = recording.nearMisses.map(({ time, benches: [i, j], gap }) => ({
     time,
     end: time,
     kind: "near-miss",
@@ -23,9 +23,9 @@ function eventsOf(payload) {
       });
     },
   }));
-  const contacts = payload.windows.map(({ begin, end, benches: [i, j] }) => ({
+  const contacts = recording.windows.map(({ begin, end, benches: [i, j] }) => ({
     time: begin,
-    end: end ?? payload.times[payload.times.length - 1],
+    end: end ?? recording.end,
     kind: "contact",
     get text() {
       const contact = localized("Contact: benches {i} and {j}", { i, j });
@@ -41,30 +41,30 @@ class Timeline {
   /**
    * @param {HTMLCanvasElement} strip
    * @param {HTMLInputElement} slider
-   * @param {Motion} motion
+   * @param {Recording} recording
    * @param {RunEvent[]} events
    */
-  constructor(strip, slider, motion, events) {
+  constructor(strip, slider, recording, events) {
     this.strip = strip;
     this.context = /** @type {CanvasRenderingContext2D} */ (strip.getContext("2d"));
     this.slider = slider;
-    this.motion = motion;
+    this.recording = recording;
     this.events = events;
     this.width = 1;
     this.from = 0;
     this.length = 0;
     this.drawn = "";
-    this.setPart(motion.begin, Infinity);
+    this.setPart(recording.begin, Infinity);
   }
 
   get isWhole() {
-    return this.length >= this.motion.end - this.motion.begin;
+    return this.length >= this.recording.end - this.recording.begin;
   }
 
   // Show from a time on so many seconds, within the run.
   /** @type {(from: number, length: number) => void} */
   setPart(from, length) {
-    const { begin, end } = this.motion;
+    const { begin, end } = this.recording;
     this.length = Math.min(Math.max(length, SHORTEST_PART), end - begin);
     this.from = Math.min(Math.max(from, begin), end - this.length);
   }
@@ -121,28 +121,21 @@ class Timeline {
   }
 
   // Draws only if the strip's size, the part or the colours have changed.
-  /** @type {(painter: RunPainter) => void} */
-  draw(painter) {
+  /** @type {(look: Look) => void} */
+  draw(look) {
     const { context } = this;
     const { width, height } = fitCanvas(this.strip, context);
-    const state = [
-      width,
-      height,
-      devicePixelRatio,
-      painter.colours.text,
-      this.from,
-      this.to,
-    ].join();
+    const state = [width, height, devicePixelRatio, look.colours.text, this.from, this.to].join();
     if (state === this.drawn) return;
     this.drawn = state;
     this.width = width;
     Object.assign(this.slider, { min: this.from, max: this.to });
     context.clearRect(0, 0, width, height);
-    this.drawLabels(context, painter);
+    this.drawLabels(context, look);
     const middle = height - MARK - 2;
     const shown = this.events.filter(({ time, end }) => end >= this.from && time <= this.to);
     for (const event of shown.filter(({ kind }) => kind === "contact")) {
-      context.fillStyle = painter.colours.contact;
+      context.fillStyle = look.colours.contact;
       const from = Math.max(this.toPixel(event.time) - 1.5, THUMB - 1.5);
       const to = Math.min(this.toPixel(event.end), width - THUMB);
       context.fillRect(from, middle - MARK - 1, Math.max(3, to - from), 2 * MARK + 2);
@@ -152,9 +145,9 @@ class Timeline {
       const path = new Path2D(
         `M${px} ${middle - MARK}l${MARK - 1} ${MARK}l${1 - MARK} ${MARK}l${1 - MARK} ${-MARK}z`,
       );
-      context.fillStyle = painter.colours.head;
+      context.fillStyle = look.colours.head;
       context.fill(path);
-      strokeOnce(context, path, painter.colours.text, 1);
+      strokeOnce(context, path, look.colours.text, 1);
     }
   }
 
@@ -179,11 +172,11 @@ class Timeline {
   }
 }
 
-// ---- slow motion near events: the speed falls in proportion to the time to the nearest one
+// ---- slow recording near events: the speed falls in proportion to the time to the nearest one
 
 const SLOWEST = 1 / 8; // simulated over real time
 const APPROACH = 2; // 1/s: speed over the time to the event
-const APART = 2; // s: a contact that begins so soon after another one has no slow motion of its own
+const APART = 2; // s: a contact that begins so soon after another one has no slow recording of its own
 
 // Times of the events that playing slows down at: near misses,
 // and contacts after a time without one.

@@ -6,11 +6,11 @@ const NOTCH_PIXELS = 100; // a notch of the wheel in most browsers
 const NOTCH_LINES = 3; // the same where it counts lines
 
 /** @type {(live: Live) => void} */
-function connect(live) {
+function connectLive(live) {
   const { tools } = live;
-  connectFields(live);
+  connectLiveFields(live);
   connectStage(live, {
-    buttons: buttonsOf(live),
+    buttons: liveButtons(live),
     keys: { enter: () => live.frame && tools.apply(), escape: () => tools.drop() },
     pointers: {
       hovered(pixel) {
@@ -39,7 +39,7 @@ function connect(live) {
 }
 
 /** @type {(live: Live) => Actions} */
-const buttonsOf = (live) => ({
+const liveButtons = (live) => ({
   play: () => live.send({ do: live.playing ? "pause" : "play" }),
   step: () => live.send({ do: "step", count: 1 }),
   "until-contact": () => live.send({ do: "until_contact" }),
@@ -52,7 +52,7 @@ const buttonsOf = (live) => ({
 });
 
 /** @type {(live: Live) => void} */
-function connectFields(live) {
+function connectLiveFields(live) {
   const { tools } = live;
   /** @type {(id: string, action: (field: any) => void) => void} */
   const changed = (id, action) =>
@@ -147,15 +147,15 @@ function releaseKeys(live) {
 
 // ---- the start, and what tests read
 
-function start() {
+function startLive() {
   const live = new Live();
-  connect(live);
+  connectLive(live);
   setLanguage(chosenLanguage());
   return live;
 }
 
 try {
-  globalThis.live = start();
+  globalThis.live = startLive();
 } catch (error) {
   showFailure(/** @type {Error} */ (error));
   throw error;

@@ -1,6 +1,9 @@
 // Writes scene, state and frame into the controls.
 
 const SPEEDS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20]; // simulated over real time
+const RATE_TIME = 1; // s: the rate of the simulation is an average of so long
+const SLOW = 0.9; // less than this fraction of the chosen speed is marked as slow
+const LIVE_SWITCHES = ["curve", "handles", "labels", "exact", "forces", "contacts"];
 
 // An event of the server, whose numbers are fields {i}, {j}, ... of a text in the catalogue.
 /** @type {(text: string) => string} */
@@ -65,7 +68,7 @@ function showLesson({ lesson }) {
 /** @type {(live: Live) => void} */
 function showAbilities(live) {
   const { model } = live;
-  for (const name of SWITCHES) {
+  for (const name of LIVE_SWITCHES) {
     hideSwitch(name, !live.hasSwitch(name));
   }
   /** @type {Record<string, string>} */

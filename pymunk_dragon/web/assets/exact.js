@@ -6,9 +6,9 @@ const MAGNIFIED_TO = 3; // pixels: ... to at least this, and to
 const MAGNIFIED_SHARE = 0.3; // of the width of a bench
 
 class Exact {
-  /** @param {Motion} motion @param {Packed} offsets */
-  constructor(motion, offsets) {
-    this.motion = motion;
+  /** @param {Recording} recording @param {Packed} offsets */
+  constructor(recording, offsets) {
+    this.recording = recording;
     this.offsets = offsets;
     this.resolution = offsets.step / Math.SQRT2; // m: the error of a position error
   }
@@ -17,7 +17,7 @@ class Exact {
   // null if unknown.
   /** @type {(time: number) => Float64Array | null} */
   offsetsAt(time) {
-    const { before, after, share } = this.motion.between(time);
+    const { before, after, share } = this.recording.between(time);
     const last = share > 0 ? after : before;
     if (last >= this.offsets.frames) return null;
     const one = vectorsIn(this.offsets, before);
@@ -39,7 +39,7 @@ class Exact {
   // with their distances from these magnified; null if unknown.
   /**
    * @type {(
-   *   benches: Benches<MovingBenches>,
+   *   benches: Benches<DrawnModel>,
    *   time: number,
    *   magnification?: number,
    * ) => Poses | null}

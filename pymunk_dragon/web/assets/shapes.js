@@ -58,8 +58,8 @@ function isCallVisible(view, { kind, points, radius }) {
   return view.isVisible(x, y, reach + size);
 }
 
-/** @type {(painter: LivePainter, calls: Call[]) => void} */
-function drawCalls({ context, view }, calls) {
+/** @type {Layer<LivePicture>} */
+function drawCalls({ context, view }, { calls }) {
   /** @type { { fill: string, outline?: string, fills: boolean, path: Path2D } | null} */
   let run = null;
   const finish = () => {

@@ -3,8 +3,8 @@
 
 const LINK_DIGITS = 6; // decimals of times and positions
 const SPAN_DIGITS = 4; // significant digits of spans
-const SWITCHES = ["curve", "contacts", "handles", "velocities", "grid", "labels", "exact"];
-const SHOWN_BY_DEFAULT = ["curve", "contacts"];
+const RUN_SWITCHES = ["curve", "contacts", "handles", "velocities", "grid", "labels", "exact"];
+const SHOWN_OF_RUN = ["curve", "contacts"];
 
 /** @type {(number: number) => string} */
 const plain = (number) => String(Number(number.toFixed(LINK_DIGITS)));
@@ -15,8 +15,8 @@ function formatLink({ time, rate, defaultRate, slow, follow, shown, selected, vi
   if (follow === "head") parts.push("follow=head");
   if (!follow) parts.push(`at=${plain(view.x)},${plain(view.y)}`);
   if (follow !== "field") parts.push(`span=${Number(view.span.toPrecision(SPAN_DIGITS))}`);
-  const names = SWITCHES.filter((name) => shown[name]);
-  if (names.join() !== SHOWN_BY_DEFAULT.join()) parts.push(`show=${names.join()}`);
+  const names = RUN_SWITCHES.filter((name) => shown[name]);
+  if (names.join() !== SHOWN_OF_RUN.join()) parts.push(`show=${names.join()}`);
   if (selected !== null) parts.push(`bench=${selected}`);
   if (rate !== defaultRate) parts.push(`speed=${rate}`);
   if (!slow) parts.push("slow=off");
@@ -41,7 +41,7 @@ function parseLink(hash) {
     show: query
       .get("show")
       ?.split(",")
-      .filter((name) => SWITCHES.includes(name)),
+      .filter((name) => RUN_SWITCHES.includes(name)),
     bench: number(query.get("bench")),
     rate: number(query.get("speed")),
     slow: query.get("slow") !== "off",

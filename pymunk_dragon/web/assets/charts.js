@@ -76,12 +76,12 @@ function decadesAround(values) {
 }
 
 class LiveCharts {
-  /** @param {LivePainter} painter */
-  constructor(painter) {
-    this.painter = painter;
+  /** @param {Live} live */
+  constructor(live) {
+    this.live = live;
     const charts = ["error", "step", ...EFFORTS].map((name) => [
       name,
-      new Chart(element(`chart-${name}`), painter),
+      new Chart(element(`chart-${name}`), live),
     ]);
     /** @type {Record<string, Chart>} */
     this.charts = Object.fromEntries(charts);
@@ -96,9 +96,9 @@ class LiveCharts {
   setModel(model) {
     this.model = model;
     for (const chart of Object.values(this.charts)) chart.clear();
-    element("charts-error").hidden = !model.can("ghost");
+    element("charts-error").hidden = !model.can("exact");
     const names = model.benches ? [] : model.scene.plots; // a dragon has the charts above
-    this.quantities = names.map(([name, unit]) => new Quantity(name, unit, this.painter));
+    this.quantities = names.map(([name, unit]) => new Quantity(name, unit, this.live));
     element("charts-own").replaceChildren(...this.quantities.map(({ figure }) => figure));
     element("save-charts").hidden = !this.quantities.length;
   }
@@ -150,7 +150,7 @@ class LiveCharts {
   /** @type {(kind: Kind, efforts: Effort[], cuts: Set<number>) => void} */
   drawEfforts(kind, efforts, cuts) {
     const chart = this.charts[kind];
-    const { bottom, top } = this.painter.scales[kind];
+    const { bottom, top } = this.live.scales[kind];
     const joints = efforts.filter((joint) => joint.kind === kind);
     element(`charts-${kind}`).hidden = joints.length === 0;
     if (!chart.shown || !joints.length) return;

@@ -400,7 +400,7 @@ function gridPairs(benches, grid) {
   const cells = new Map();
   /** @type {Set<number>} */
   const pairs = new Set();
-  const count = benches.motion.benches;
+  const count = benches.model.benches;
   let entries = 0;
   for (let i = 0; i < count; i++) {
     for (const cell of benches.cells(i, grid)) {

@@ -93,6 +93,13 @@ class Tools {
 
   // ---- holding a body
 
+  // What the hand takes within `slip` pixels of a pixel; null if nothing.
+  /** @type {(pixel: Point, slip: number) => (Target & { point: Numbers }) | null} */
+  bodyAt(pixel, slip) {
+    const { view, moment } = this.live;
+    return bodyAt(view.toWorld(...pixel), slip / view.scale, moment);
+  }
+
   // Take hold of the body at a pixel; returns whether there is one.
   /** @type {(pixel: Point, kind: string) => boolean} */
   take(pixel, kind) {
@@ -104,12 +111,7 @@ class Tools {
     }
     if (this.chosen !== "drag" || !live.controls) return false;
     const slip = kind === "mouse" ? MOUSE_SLIP : BODY_SLIP;
-    const found = live.model.bodyAt(
-      live.view.toWorld(...pixel),
-      slip / live.view.scale,
-      live.frame,
-      live.poses,
-    );
+    const found = this.bodyAt(pixel, slip);
     if (!found) return false;
     const [x, y] = found.point;
     // The body has moved on since the picture was made.
@@ -211,27 +213,18 @@ class Tools {
   // What a click at a pixel would change, with the tool that is chosen; null if nothing.
   /** @type {(pixel: Point, slip?: number) => Target | null} */
   targetAt(pixel, slip = 0) {
-    const { model, view, poses, frame, state, controls } = this.live;
+    const { view, moment, controls } = this.live;
     if (!controls) return null;
     const point = view.toWorld(...pixel);
     if (this.chosen === "drag") {
-      return model.bodyAt(
-        point,
-        (this.live.pixel ? MOUSE_SLIP : BODY_SLIP) / view.scale,
-        frame,
-        poses,
-      );
+      return this.bodyAt(pixel, this.live.pixel ? MOUSE_SLIP : BODY_SLIP);
     }
     if (this.chosen === "cut") {
-      const joint = model.jointAt(
-        point,
-        JOINT_SLIP / view.scale,
-        model.joints(frame, poses, state.cuts),
-      );
+      const joint = jointAt(point, JOINT_SLIP / view.scale, moment.joints);
       return joint && { joint, point };
     }
     if (this.chosen === "release") {
-      const bench = new Benches(model, poses).at(point, slip / view.scale);
+      const bench = benchAt(moment.benches, point, slip / view.scale);
       return bench === null ? null : { bench };
     }
     return this.places ? this.obstacleAt(point, slip) : null;

@@ -1,7 +1,6 @@
-// Overlays: exact benches, joint forces, contacts, cut joints,
-// the held body and what the tool points at.
+// Overlays of a live session: joint forces, contacts, cut joints, the held body and what the tool
+// points at.
 
-const GHOST_SHOWN = 0.75; // pixels: least distance between a bench and the exact one that is drawn
 const SMALLEST_DISC = 2; // pixels: radius at a joint with a small force
 const DISC_GROWTH = 4.5; // pixels: a large force adds so much
 const SHORTEST_IMPULSE = 8; // pixels: arrow of a small impulse
@@ -11,21 +10,10 @@ const MANY_CONTACTS = 24; // more contacts have dots in place of rings
 const MOST_ARROWS = 800; // more contacts have no arrows
 const CUT_MARK = 5; // pixels: half the size of the cross at a cut joint
 
-// Outlines of exact benches that differ visibly from those of the engine.
-/** @type {(painter: LivePainter, frame: LiveFrame) => void} */
-function drawErrors(painter, { exact, errors }) {
-  const ghosts = new Benches(painter.model, posesOf(exact));
-  const least = GHOST_SHOWN / painter.view.scale;
-  drawGhosts(
-    painter,
-    ghosts,
-    painter.visible(ghosts).filter((i) => errors[i] >= least),
-  );
-}
-
 // A disc at each joint with a force, a square at one with a torque: colour and size show it.
-/** @type {(painter: LivePainter, joints: Joint[]) => void} */
-function drawEfforts({ context, view, colours, scales }, joints) {
+/** @type {Layer<LivePicture>} */
+function drawEfforts({ context, view, colours }, { joints, scales, show }) {
+  if (!show.forces) return;
   /** @type {Map<number, Path2D>} */
   const paths = new Map();
   for (const {
@@ -56,23 +44,24 @@ function drawEfforts({ context, view, colours, scales }, joints) {
 }
 
 // A ring or dot at each contact point, and an arrow along the normal of each pair.
-/** @type {(painter: LivePainter, frame: LiveFrame) => void} */
-function drawImpulses(painter, frame) {
-  const { context, colours, view, model, impulseScale } = painter;
-  const count = frame.contacts.length / CONTACT_SIZE;
+/** @type {Layer<LivePicture>} */
+function drawImpulses(painter, { contacts, scales, show }) {
+  if (!show.contacts) return;
+  const { context, colours, view, model } = painter;
+  const count = contacts.length / CONTACT_SIZE;
   const many = count > MANY_CONTACTS;
   const path = new Path2D();
   /** @type { { impulse: number, px: number, py: number } | null} */
   let largest = null;
   context.fillStyle = COLLISION_COLOUR;
-  for (const [x, y, nx, ny, impulse] of rowsOf(frame.contacts, CONTACT_SIZE)) {
+  for (const [x, y, nx, ny, impulse] of rowsOf(contacts, CONTACT_SIZE)) {
     if (!view.isVisible(x, y, 0)) continue;
     const [px, py] = view.toScreen(x, y);
     if (many) context.fillRect(px - 2, py - 2, 4, 4);
     else drawRing(painter, [px, py]);
     if (impulse < 0 || count > MOST_ARROWS) continue;
     const longest = many ? LONGEST_OF_MANY : LONGEST_IMPULSE;
-    const length = SHORTEST_IMPULSE + (longest - SHORTEST_IMPULSE) * impulseScale.share(impulse);
+    const length = SHORTEST_IMPULSE + (longest - SHORTEST_IMPULSE) * scales.impulse.share(impulse);
     addArrow(path, [px, py], length * nx, -length * ny * view.up);
     if (impulse > (largest?.impulse ?? 0)) largest = { impulse, px, py };
   }
@@ -84,8 +73,8 @@ function drawImpulses(painter, frame) {
 }
 
 // A cross at both holes of each cut joint.
-/** @type {(painter: LivePainter, benches: Benches<BenchSizes>, cuts: number[]) => void} */
-function drawCuts({ context, view, colours }, benches, cuts) {
+/** @type {Layer<LivePicture>} */
+function drawCuts({ context, view, colours }, { benches, cuts }) {
   const path = new Path2D();
   for (const joint of cuts) {
     for (const hole of [benches.hole(joint, -1), benches.hole(joint + 1, 1)]) {
@@ -100,8 +89,10 @@ function drawCuts({ context, view, colours }, benches, cuts) {
 }
 
 // A line from the anchor on the held body to the pointer.
-/** @type {(painter: LivePainter, held: Held) => void} */
-function drawHeld({ context, view, colours }, { anchor, target }) {
+/** @type {Layer<LivePicture>} */
+function drawHeld({ context, view, colours }, { held }) {
+  if (!held) return;
+  const { anchor, target } = held;
   const from = view.toScreen(...anchor);
   const to = view.toScreen(...target);
   const path = new Path2D();
@@ -120,8 +111,9 @@ function drawHeld({ context, view, colours }, { anchor, target }) {
 }
 
 // A cross at the point where keys apply the tool.
-/** @type {(painter: LivePainter) => void} */
-function drawAim({ context, view, colours }) {
+/** @type {Layer<LivePicture>} */
+function drawAim({ context, view, colours }, { aims }) {
+  if (!aims) return;
   const px = view.width / 2;
   const py = view.height / 2;
   const path = new Path2D();
@@ -138,8 +130,9 @@ function drawAim({ context, view, colours }) {
 }
 
 // What a click would change, and its name. A bench is highlighted where it is drawn.
-/** @type {(painter: LivePainter, target: Target) => void} */
-function drawTarget(painter, target) {
+/** @type {Layer<LivePicture>} */
+function drawTarget(painter, { target }) {
+  if (!target) return;
   const { context, colours, view } = painter;
   if (target.label && target.pixel) drawLabel(painter, target.label, ...target.pixel);
   if (target.joint) {

@@ -2,20 +2,21 @@
 
 const PACKED = ["handles", "velocities", "exact", "curve"];
 
-async function start() {
+async function startPlayer() {
   const payload = JSON.parse(block("payload"));
   /** @type {Record<string, Packed>} */
   const packed = {};
   for (const name of PACKED) {
     packed[name] = payload[name] && (await unpack(payload[name], block(`${name}-packed`)));
   }
-  const player = new Player(payload, packed);
-  if (!payload.grid) hideSwitch("grid", true);
+  const recording = new Recording(payload, packed);
+  const player = new Player(recording);
+  if (!recording.grid) hideSwitch("grid", true);
   for (const part of document.querySelectorAll(".exact-only")) {
-    part.toggleAttribute("hidden", !player.exact);
+    part.toggleAttribute("hidden", !recording.exact);
   }
   setLanguage(chosenLanguage());
-  connect(player);
+  connectPlayer(player);
   player.readLink();
   player.draw();
   return publicPlayer(player);
@@ -25,7 +26,7 @@ async function start() {
 // `frame.contentWindow.dragon.then((player) => player.seek(409.8))`.
 /** @param {Player} player */
 function publicPlayer(player) {
-  const { motion, view } = player;
+  const { recording, view } = player;
   /** @type {(poses: Poses | null | undefined) => number[][] | null} */
   const rows = (poses) => poses?.x.map((x, i) => [x, poses.y[i], poses.angle[i]]) ?? null;
   return Object.freeze({
@@ -45,11 +46,11 @@ function publicPlayer(player) {
     // Pixel of the canvas at a point in m.
     pixel: (/** @type {number} */ x, /** @type {number} */ y) => view.toScreen(x, y),
     // Positions of the handles in a frame: x0, y0, x1, y1, ...
-    handles: (/** @type {number} */ frame) => Array.from(vectorsIn(player.motion.packed, frame)),
+    handles: (/** @type {number} */ frame) => Array.from(vectorsIn(recording.packed, frame)),
     // Poses [x, y, angle] at a time of the benches, and of the exact model; null if unknown.
-    poses: (/** @type {number} */ time) => rows(motion.posesAt(time)),
+    poses: (/** @type {number} */ time) => rows(recording.posesAt(time)),
     exactPoses: (/** @type {number} */ time) =>
-      rows(player.exact?.posesBeside(new Benches(motion, motion.posesAt(time)), time)),
+      rows(recording.ghostsAt(time, recording.momentAt(time).benches, 1)?.benches.poses),
     get rate() {
       return player.currentRate;
     },
@@ -58,9 +59,9 @@ function publicPlayer(player) {
     },
     // Numbers of a bench at the current time.
     numbers: (/** @type {number} */ bench) =>
-      benchNumbers(new Benches(motion, motion.posesAt(player.time)), bench, player.time),
+      benchNumbers(recording.momentAt(player.time).benches, bench, player.time),
   });
 }
 
-globalThis.dragon = start();
+globalThis.dragon = startPlayer();
 globalThis.dragon.catch(showFailure);

@@ -15,34 +15,26 @@ function openStage(div) {
   /** @type {Lab} */
   const lab = new Lab(div);
   stages[div.dataset.stage ?? ""](lab);
-  document.addEventListener("languagechange", () => lab.changed());
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => lab.readColours());
-  new ResizeObserver(() => lab.changed()).observe(lab.scene);
-  lab.readColours();
+  document.addEventListener("languagechange", () => lab.requestDraw());
+  lab.watch();
 }
 
-class Lab {
+class Lab extends Surface {
   /** @param {HTMLElement} div */
   constructor(div) {
-    this.canvas = created("canvas", { role: "img" });
+    super(created("canvas", { role: "img" }));
     this.scene = created("div", { className: "scene" }, this.canvas);
     this.output = created("output", { className: "readout" });
     this.controls = created("div", { className: "controls" });
     div.replaceChildren(this.scene, this.output, this.controls);
-    this.context = /** @type {CanvasRenderingContext2D} */ (
-      this.canvas.getContext("2d", { alpha: false })
-    );
+    this.readColours(); // It has a font only now that it is on the page.
     /** @type {Row[]} */
     this.rows = [];
     /** @type {StagePane[]} */
     this.panes = [];
     /** @type { { knob: HTMLElement, label: Words, pane: StagePane, at: () => Numbers }[]} */
     this.knobs = [];
-    this.painted = 0;
-    this.colours = readColours();
-    this.font = fontOf(this.scene);
-    /** @type {number | undefined} */
-    this.scheduled = undefined;
+    this.painted = 0; // ms: time of the last picture
     /** @type {Words} */
     this.label = ["", ""];
     /** @type {() => Words} */
@@ -56,25 +48,11 @@ class Lab {
     return document.documentElement.lang === "zh" ? chinese : english;
   }
 
-  readColours() {
-    this.colours = readColours();
-    this.font = fontOf(this.scene);
-    this.changed();
-  }
-
   // A mixture of two colours, with a share of the second from 0 to 1.
   /** @type {(one: string, two: string, share: number) => string} */
   mixed(one, two, share) {
     const percent = 100 * bounded(share, 0, 1);
     return `color-mix(in oklab, ${this.colours[two]} ${percent}%, ${this.colours[one]})`;
-  }
-
-  // Something changed: draw with the next picture.
-  changed() {
-    this.scheduled ??= requestAnimationFrame((now) => {
-      this.scheduled = undefined;
-      this.paint(now);
-    });
   }
 
   // A slider; `show` writes its value, by default with so many `digits` and a unit. One with
@@ -90,7 +68,7 @@ class Lab {
     const div = created("div", { className: "slider" }, created("label", {}, name, input), shown);
     input.addEventListener("input", () => {
       row.plays = false;
-      this.changed();
+      this.requestDraw();
     });
     if (play) {
       row.button = created("button", { type: "button", className: "play" });
@@ -98,7 +76,7 @@ class Lab {
         row.plays = !row.plays;
         row.exact =
           Number(input.value) < Number(input.max) ? Number(input.value) : Number(input.min);
-        this.changed();
+        this.requestDraw();
       });
       div.append(row.button);
     }
@@ -138,12 +116,12 @@ class Lab {
     /** @type {(point: Point, way?: number) => void} */
     const change = (point, way) => {
       moved(point, way);
-      this.changed();
+      this.requestDraw();
     };
     knob.addEventListener("pointerdown", ({ pointerId }) => knob.setPointerCapture(pointerId));
     knob.addEventListener("pointermove", ({ pointerId, clientX, clientY }) => {
       const { left, top } = this.canvas.getBoundingClientRect();
-      if (knob.hasPointerCapture(pointerId)) change(pane.toWorld([clientX - left, clientY - top]));
+      if (knob.hasPointerCapture(pointerId)) change(pane.toWorld(clientX - left, clientY - top));
     });
     knob.addEventListener("keydown", (event) => {
       if (!ARROWS[event.key]) return;
@@ -166,7 +144,7 @@ class Lab {
     /** @type {(ended: boolean) => void} */
     const change = (ended) => {
       drawn(points, ended);
-      this.changed();
+      this.requestDraw();
     };
     canvas.classList.add("paper");
     canvas.addEventListener("pointerdown", ({ pointerId }) => {
@@ -175,27 +153,26 @@ class Lab {
     });
     canvas.addEventListener("pointermove", ({ pointerId, offsetX, offsetY }) => {
       if (!canvas.hasPointerCapture(pointerId)) return;
-      points.push(pane.toWorld([offsetX, offsetY]));
+      points.push(pane.toWorld(offsetX, offsetY));
       change(false);
     });
     canvas.addEventListener("lostpointercapture", () => change(true));
   }
 
   /** @type {(now: number) => void} */
-  paint(now) {
+  tick(now) {
     this.play(Math.min((now - this.painted) / 1000, LONGEST_FRAME));
     this.painted = now;
-    const { canvas, context } = this;
-    const { width, height } = fitCanvas(canvas, context);
-    Object.assign(context, { fillStyle: this.colours.background, lineJoin: "round" });
-    context.fillRect(0, 0, width, height);
+    this.resize();
+    this.clear();
     this.update?.();
     let top = 0;
     for (const pane of this.panes) {
-      pane.paint(top, width, pane.share * height);
-      top += pane.share * height;
+      const height = pane.share * this.height;
+      pane.paint(top, this.width, height);
+      top += height;
     }
-    this.write(width);
+    this.write(this.width);
   }
 
   // Move the sliders that play.
@@ -205,7 +182,7 @@ class Lab {
       row.exact += seconds * (row.play?.() ?? 0);
       row.input.value = String(row.exact);
       row.plays = row.exact < Number(row.input.max);
-      this.changed();
+      this.requestDraw();
     }
   }
 
@@ -221,7 +198,8 @@ class Lab {
       write(button, "ariaLabel", this.say(plays ? ["Pause", "暂停"] : ["Play", "播放"]));
     }
     for (const { knob, label, pane, at } of this.knobs) {
-      const [px, py] = pane.toScreen(at());
+      const [x, y] = at();
+      const [px, py] = pane.toScreen(x, y);
       Object.assign(knob.style, { left: `${px}px`, top: `${py}px` });
       knob.hidden = !(px >= 0 && px <= width && py >= pane.top && py <= pane.top + pane.height);
       write(knob, "ariaLabel", this.say(label));
@@ -296,9 +274,9 @@ class StagePane extends Pane {
     const { context } = this;
     Object.assign(context, { strokeStyle: this.colour("ink"), globalAlpha: alpha });
     context.lineWidth = bounded(0.02 * this.sx, 0.5, 1.25);
-    for (let i = benches.motion.benches - 1; i >= 0; i--) {
-      const path = this.path(benches.corners(i));
-      path.closePath();
+    for (let i = benches.model.benches - 1; i >= 0; i--) {
+      const path = new Path2D();
+      addPolygon(path, this, benches.corners(i));
       context.fillStyle = this.colour(colour(i));
       context.fill(path);
       context.stroke(path);

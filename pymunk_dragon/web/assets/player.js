@@ -11,25 +11,29 @@ const LINK_EVERY = 500;
 // ms: delay after the last input before the state is announced to screen readers.
 const ANNOUNCE_AFTER = 700;
 
+// The first is the lowest.
+const RUN_LAYERS = [
+  drawGrid,
+  drawCurve,
+  drawDragon,
+  drawGhosts,
+  drawHandles,
+  drawVelocities,
+  drawNumbers,
+  drawContacts,
+];
+
+/** @extends {Stage<RunPicture>} */
 class Player extends Stage {
-  /** @param {Payload} payload @param {Record<string, Packed>} packed */
-  constructor(payload, { handles, velocities, exact, curve }) {
-    const motion = new Motion(payload, handles, velocities);
-    super(new View(motion), SWITCHES, SHOWN_BY_DEFAULT);
-    this.motion = motion;
-    this.exact = exact && new Exact(this.motion, exact);
-    this.painter = new RunPainter(
-      element("field"),
-      this.motion,
-      this.view,
-      payload,
-      vectorsOf(curve, curve.counts),
-    );
-    this.events = eventsOf(payload);
+  /** @param {Recording} recording */
+  constructor(recording) {
+    super(recording, RUN_LAYERS, RUN_SWITCHES, SHOWN_OF_RUN);
+    this.recording = recording;
+    this.events = eventsOf(recording);
     this.eventTimes = this.events.map(({ time }) => time);
-    this.timeline = new Timeline(element("strip"), element("time"), this.motion, this.events);
-    this.time = this.motion.begin;
-    this.length = this.motion.end - this.motion.begin;
+    this.timeline = new Timeline(element("strip"), element("time"), recording, this.events);
+    this.time = recording.begin;
+    this.length = recording.end - recording.begin;
     this.defaultRate =
       RATES.find((rate) => rate >= 1 && this.length / rate <= LONGEST) ?? RATES[RATES.length - 1];
     this.rate = this.defaultRate;
@@ -41,7 +45,7 @@ class Player extends Stage {
     /** @type {number | null} */
     this.last = null; // ms: time of the last picture
     this.announceTimer = 0;
-    this.benches = new Benches(motion, motion.posesAt(this.time));
+    this.moment = recording.momentAt(this.time);
     const write = () => rememberAddress(formatLink(this));
     this.writeLinkSoon = throttled(write, LINK_EVERY);
   }
@@ -54,10 +58,10 @@ class Player extends Stage {
       const passed = this.last === null ? 0 : Math.min((now - this.last) / 1000, LONGEST_TICK);
       this.last = now;
       const before = this.time;
-      this.time = Math.min(before + passed * this.currentRate, this.motion.end);
+      this.time = Math.min(before + passed * this.currentRate, this.recording.end);
       const event = this.events.findLast(({ time }) => before < time && time <= this.time);
       if (event) setText("announcement", event.text);
-      if (this.time >= this.motion.end) this.pause();
+      if (this.time >= this.recording.end) this.pause();
       else this.writeLinkSoon();
     }
     this.draw();
@@ -65,24 +69,38 @@ class Player extends Stage {
   }
 
   draw() {
-    const { motion, view, painter, time } = this;
-    const benches = (this.benches = new Benches(motion, motion.posesAt(time)));
-    painter.resize();
+    const { recording, time, shown } = this;
+    const moment = (this.moment = recording.momentAt(time));
+    const { benches } = moment;
+    this.resize();
     this.timeline.reveal(time);
-    this.timeline.draw(painter);
+    this.timeline.draw(this);
     this.followSubject(benches.poses);
-    const hovered = this.pixel && benches.at(view.toWorld(...this.pixel), 0);
+
+    const hovered = this.pixel && bodyAt(this.view.toWorld(...this.pixel), 0, moment)?.bench;
     const pointed = hovered ?? this.selected;
-    const errors = this.exact && this.exact.errorsAt(time);
+    const errors = recording.exact?.errorsAt(time) ?? null;
     const magnification = errors ? this.magnification(benches, errors) : 1;
-    painter.draw({ time, benches, show: this.shown, pointed, exact: this.exact, magnification });
+    this.painter.draw({
+      ...moment,
+      show: shown,
+      pointed,
+      ghosts: shown.exact ? recording.ghostsAt(time, benches, magnification) : null,
+      velocities: shown.velocities ? recording.velocitiesOf(benches.poses) : null,
+    });
     this.showTime();
-    const bench = pointed ?? 0;
+    this.showBench(pointed ?? 0, errors, magnification);
+  }
+
+  // The numbers of a bench.
+  /** @type {(bench: number, errors: number[] | null, magnification: number) => void} */
+  showBench(bench, errors, magnification) {
+    const { benches } = this.moment;
     if (document.activeElement !== element("bench")) element("bench").value = String(bench);
-    for (const [id, text] of Object.entries(formatNumbers(benchNumbers(benches, bench, time)))) {
-      setText(id, text);
-    }
-    setText("error", errors ? formatError(errors[bench], this.exact.resolution) : "–");
+    const numbers = formatNumbers(benchNumbers(benches, bench, this.time));
+    for (const [id, text] of Object.entries(numbers)) setText(id, text);
+    const { exact } = this.recording;
+    setText("error", errors && exact ? formatError(errors[bench], exact.resolution) : "–");
     setText(
       "legend-exact-text",
       magnification === 1
@@ -106,11 +124,11 @@ class Player extends Stage {
   }
 
   // So that the largest position error in the view is visible.
-  /** @type {(benches: Benches<MovingBenches>, errors: number[]) => number} */
+  /** @type {(benches: Benches<Recording>, errors: number[]) => number} */
   magnification(benches, errors) {
     const { scale } = this.view;
     const worst = this.painter.visible(benches).reduce((most, i) => Math.max(most, errors[i]), 0);
-    return magnificationOf(worst * scale, this.motion.narrowest * scale);
+    return magnificationOf(worst * scale, this.recording.narrowest * scale);
   }
 
   // ---- time
@@ -122,7 +140,7 @@ class Player extends Stage {
 
   play() {
     if (this.playing || this.length === 0) return;
-    if (this.time >= this.motion.end) this.time = this.motion.begin;
+    if (this.time >= this.recording.end) this.time = this.recording.begin;
     this.last = null;
     this.playing = true;
     showPlaying(true);
@@ -144,7 +162,7 @@ class Player extends Stage {
   /** @type {(time: number) => void} */
   seek(time) {
     this.pause();
-    this.time = Math.min(Math.max(time, this.motion.begin), this.motion.end);
+    this.time = Math.min(Math.max(time, this.recording.begin), this.recording.end);
     this.afterChange();
   }
 
@@ -159,7 +177,7 @@ class Player extends Stage {
 
   // Play the end of the run, with that part on the timeline.
   playLast() {
-    this.timeline.setPart(this.motion.end - LAST_PART, LAST_PART);
+    this.timeline.setPart(this.recording.end - LAST_PART, LAST_PART);
     this.seek(this.timeline.from);
     this.play();
   }
@@ -191,7 +209,7 @@ class Player extends Stage {
     this.showView();
     element("rate").value = String(this.rate);
     element("slow").checked = this.slow;
-    element("legend-exact").hidden = !(this.exact && this.shown.exact);
+    element("legend-exact").hidden = !(this.recording.exact && this.shown.exact);
     this.requestDraw();
     this.writeLinkSoon();
     clearTimeout(this.announceTimer);
@@ -201,7 +219,7 @@ class Player extends Stage {
   announce() {
     const description = describeTime(this.time, this.events);
     const { speed, angle, gap } = formatNumbers(
-      benchNumbers(this.benches, this.selected ?? 0, this.time),
+      benchNumbers(this.moment.benches, this.selected ?? 0, this.time),
     );
     const bench =
       this.selected === null
@@ -213,7 +231,7 @@ class Player extends Stage {
             gap,
           });
     if (!this.playing) setText("announcement", description + bench);
-    const count = this.motion.benches;
+    const count = this.recording.benches;
     const seen =
       this.follow === "head"
         ? localized("The dragon's {count} benches seen from above the head", { count })
@@ -224,15 +242,15 @@ class Player extends Stage {
   readLink() {
     const link = parseLink(location.hash);
     const { bench = -1, rate = this.rate } = link;
-    const { view, motion } = this;
+    const { view, recording } = this;
     if (link.time !== undefined) this.seek(link.time);
     if (RATES.includes(rate)) this.rate = rate;
     this.slow = link.slow;
-    if (link.show) for (const name of SWITCHES) this.shown[name] = link.show.includes(name);
-    if (Number.isInteger(bench) && bench >= 0 && bench < motion.benches) this.selected = bench;
+    if (link.show) for (const name of RUN_SWITCHES) this.shown[name] = link.show.includes(name);
+    if (Number.isInteger(bench) && bench >= 0 && bench < recording.benches) this.selected = bench;
     if (chosenLanguage() !== language) this.setLanguage(chosenLanguage());
     // A span requires the size of the canvas.
-    this.painter.resize();
+    this.resize();
     if (link.follow) this.setFollow(link.follow);
     if (link.at) {
       this.setFollow(null);
@@ -243,4 +261,26 @@ class Player extends Stage {
     this.afterChange();
     if (link.plays && !matchMedia("(prefers-reduced-motion: reduce)").matches) this.play();
   }
+}
+
+// Events to go to, and the precision of the run, in the page's language.
+/** @type {(player: Player) => void} */
+function writeLists({ events, recording }) {
+  const first = events.length ? localized("Go to an event …") : localized("No events");
+  const options = events.map(
+    ({ time, text }, i) => new Option(`${time.toFixed(2)} s: ${text}`, String(i)),
+  );
+  element("events").replaceChildren(new Option(first, ""), ...options);
+  setText(
+    "precision",
+    localized(
+      "Positions are stored to within {error} μm in {frames} frames; between two frames," +
+        " benches move on cubic polynomials of time that match the positions and velocities of" +
+        " both. Numbers are shown with the digits that are certain.",
+      {
+        error: Number((1e6 * recording.positionError).toPrecision(2)),
+        frames: recording.times.length,
+      },
+    ),
+  );
 }

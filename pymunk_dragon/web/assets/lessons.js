@@ -1,11 +1,9 @@
-"use strict";
-
 // Languages: a button for each, and the address remembers which (lessons.html?zh#chain).
 const root = document.documentElement;
 
 // An element that the page has.
 /** @type {(parent: ParentNode, selector: string) => any} */
-const part = (parent, selector) => parent.querySelector(selector);
+const partOf = (parent, selector) => parent.querySelector(selector);
 
 /** @type {HTMLButtonElement[]} */
 const buttons = Array.from(document.querySelectorAll(".languages button"));
@@ -14,7 +12,7 @@ const languages = buttons.map((button) => button.value);
 /** @type {(language: string) => void} */
 function speak(language) {
   root.lang = language;
-  document.title = part(document, `h1 [lang="${language}"]`).textContent;
+  document.title = partOf(document, `h1 [lang="${language}"]`).textContent;
   for (const button of buttons) {
     button.setAttribute("aria-pressed", String(button.value === language));
   }
@@ -44,12 +42,12 @@ speak(
 /** @type {(stage: HTMLElement) => void} */
 function openScene(stage) {
   for (const old of document.querySelectorAll("iframe")) {
-    const still = part(/** @type {Element} */ (old.closest(".experiment")), ".main");
+    const still = partOf(/** @type {Element} */ (old.closest(".experiment")), ".main");
     old.replaceWith(still.cloneNode(true));
   }
   const frame = document.createElement("iframe");
   const address = () => `live${location.search}#stage=${stage.dataset.live}&lang=${root.lang}`;
-  frame.title = part(stage.closest(".lesson") ?? stage, "h2").textContent.trim();
+  frame.title = partOf(stage.closest(".lesson") ?? stage, "h2").textContent.trim();
   frame.src = address();
   document.addEventListener("languagechange", () => {
     frame.src = address();
@@ -62,13 +60,13 @@ for (const lesson of /** @type {NodeListOf<HTMLElement>} */ (
   document.querySelectorAll(".lesson")
 )) {
   // No form: a frame with a sandbox allows none to be sent, and these are not.
-  const guesses = part(lesson, ".guesses");
+  const guesses = partOf(lesson, ".guesses");
   /** @type {HTMLInputElement[]} */
   const choices = [...guesses.querySelectorAll("input")];
   /** @type {HTMLFieldSetElement[]} */
   const fieldsets = [...guesses.querySelectorAll("fieldset")];
-  const stage = part(lesson, ".stage");
-  const answer = part(lesson, ".answer");
+  const stage = partOf(lesson, ".stage");
+  const answer = partOf(lesson, ".answer");
 
   /** @type {(state: string) => void} */
   const enter = (state) => {
@@ -80,7 +78,7 @@ for (const lesson of /** @type {NodeListOf<HTMLElement>} */ (
     enter("open");
     if (stage.dataset.live && !stage.querySelector("figure, iframe")) openScene(stage);
     if (stage.dataset.stage && !stage.hasChildNodes()) openStage(stage);
-    const first = stage.querySelector("input, button, [tabindex]") ?? part(lesson, ".show");
+    const first = stage.querySelector("input, button, [tabindex]") ?? partOf(lesson, ".show");
     first.focus({ preventScroll: true });
   };
 
@@ -89,7 +87,7 @@ for (const lesson of /** @type {NodeListOf<HTMLElement>} */ (
   };
 
   // Also the button that takes the place of a live scene.
-  part(lesson, ".experiment").addEventListener("click", (/** @type {any} */ { target }) => {
+  partOf(lesson, ".experiment").addEventListener("click", (/** @type {any} */ { target }) => {
     if (target.closest(".open")) openGuessed();
     if (target.closest(".open-unguessed")) open();
   });
@@ -98,11 +96,11 @@ for (const lesson of /** @type {NodeListOf<HTMLElement>} */ (
   });
 
   // Guess and result side by side, and what comes of each choice.
-  part(lesson, ".show").addEventListener("click", () => {
+  partOf(lesson, ".show").addEventListener("click", () => {
     for (const [i, result] of [...lesson.querySelectorAll(".result")].entries()) {
-      const chosen = part(fieldsets[i], "input:checked");
+      const chosen = partOf(fieldsets[i], "input:checked");
       const words = chosen?.parentElement.querySelectorAll("span[lang]") ?? [];
-      part(result, ".mine").replaceChildren(
+      partOf(result, ".mine").replaceChildren(
         ...(chosen ? [...words].map((each) => each.cloneNode(true)) : ["–"]),
       );
       for (const [choice, item] of [...result.querySelectorAll("li")].entries()) {
@@ -113,7 +111,7 @@ for (const lesson of /** @type {NodeListOf<HTMLElement>} */ (
     answer.focus();
   });
 
-  part(lesson, ".again").addEventListener("click", () => {
+  partOf(lesson, ".again").addEventListener("click", () => {
     for (const choice of choices) choice.checked = false;
     if (stage.dataset.stage) stage.replaceChildren(); // The experiment begins anew.
     enter("guess");
@@ -127,7 +125,7 @@ for (const link of window === top ? [] : document.querySelectorAll("a[href^='#']
   link.addEventListener("click", (event) => {
     event.preventDefault();
     const address = link.getAttribute("href") ?? "";
-    part(document, address).scrollIntoView();
+    partOf(document, address).scrollIntoView();
     rememberAddress(address);
   });
 }
