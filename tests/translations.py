@@ -26,8 +26,11 @@ LOCALIZED = re.compile(r'\blocalized\(\s*("(?:[^"\\]|\\.)*"(?:\s*\+\s*"(?:[^"\\]
 
 
 def sources(ending: str) -> list[str]:
-    """Contents of the files of the package with an ending."""
-    return [path.read_text() for path in PACKAGE.rglob(f"*{ending}")]
+    """Contents of the files of the package with an ending; templates with whole strings."""
+    found = [path.read_text() for path in PACKAGE.rglob(f"*{ending}")]
+    if ending != ".j2":
+        return found
+    return [re.sub(r'"\s*\n\s*"', "", source) for source in found]
 
 
 def report(what: str, wanted: Iterable[str], found: Iterable[str]) -> None:

@@ -32,7 +32,13 @@ function formatError(metres, error) {
 }
 
 // Numbers of one bench: velocity and speed in m/s, angle in degrees, gap and its error in m.
-/** @type {(benches: Benches<Recording, Poses & Rates>, bench: number, time: number) => BenchNumbers} */
+/**
+ * @type {(
+ *   benches: Benches<Recording, Poses & Rates>,
+ *   bench: number,
+ *   time: number,
+ * ) => BenchNumbers}
+ */
 function benchNumbers(benches, bench, time) {
   const { model, poses } = benches;
   const velocities = model.velocitiesOf(poses);

@@ -172,11 +172,12 @@ class Timeline {
   }
 }
 
-// ---- slow recording near events: the speed falls in proportion to the time to the nearest one
+// ---- slow motion near events: the speed falls in proportion to the time to the nearest one
 
 const SLOWEST = 1 / 8; // simulated over real time
 const APPROACH = 2; // 1/s: speed over the time to the event
-const APART = 2; // s: a contact that begins so soon after another one has no slow recording of its own
+// s: a contact that begins so soon after another one has no slow motion of its own.
+const APART = 2;
 
 // Times of the events that playing slows down at: near misses,
 // and contacts after a time without one.
