@@ -30,7 +30,8 @@ _EXACT_FIELDS = ("status", "time", "benches", "point", "normal")
 class Summary:
     """A run, and the first contact and near misses of the exact model.
 
-    `exact` is None if the search is not possible. A run of the exact model includes a frame at its first contact.
+    `exact` is None if the search is not possible. A run of the exact model includes a frame at its
+    first contact.
     """
 
     run: Run
