@@ -10,9 +10,19 @@ from pymunk_dragon.drawing.palette import COLOURS, Palette
 from pymunk_dragon.web.html import asset, policy, substituted
 
 # Scripts of both pages; each uses only those before it.
-_SCRIPTS = ["common", "texts", "geometry", "pane", "view"]
-_SCRIPTS += ["format", "marks", "paint", "pointer", "stage"]
-# Parts of pages that stand in the place of {{name}}.
+_SCRIPTS = (
+    "common",
+    "texts",
+    "geometry",
+    "pane",
+    "view",
+    "format",
+    "marks",
+    "paint",
+    "pointer",
+    "stage",
+)
+# Parts of pages' HTML that stand in the place of {{name}}.
 _PARTS = ("zoom", "help_tools", "help")
 # What `<svg>` in the pages' HTML stands for: an icon of a control, which has a name.
 _ICON = '<svg viewBox="0 0 20 20" aria-hidden="true">'
@@ -43,16 +53,18 @@ def document(
 
     Parameters
     ----------
-    body, style, script : str
-        The page's own HTML, style and script.
+    body : str
+        The page's own HTML.
+    style : str
+        Style of the page's own parts.
+    script : str
+        The page's own script, which follows the common ones.
     connections : str
         Directives that are added to the policy.
     **values : str
         What stands in the place of {{name}} in the HTML.
     """
-    parts = {name: _shared(f"{name}.html") for name in _PARTS}
-    parts["zoom"] = parts["zoom"].replace("<svg>", _ICON)
-
+    parts = {name: _shared(f"{name}.html").replace("<svg>", _ICON) for name in _PARTS}
     page = _shared("head.html") + body + _shared("tail.html")
     page = page.replace("<svg>", _ICON)
 
