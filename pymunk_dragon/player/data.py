@@ -68,6 +68,7 @@ def player_data(summary: Summary) -> tuple[dict[str, Any], dict[str, str]]:
     dragon = run.march.dragon
     narrowest = float(dragon.widths.min())
     begin, end = run.times[[0, -1]].tolist()
+
     positions, position_error = _pack_handles(dragon.holes(run.poses), STEP * narrowest)
     interval = 1.0
     # A run of one frame has no interval.
@@ -77,6 +78,7 @@ def player_data(summary: Summary) -> tuple[dict[str, Any], dict[str, str]]:
     hole_velocities = dragon.hole_velocities(run.poses, run.pose_velocities)
     velocities, velocity_error = _pack_handles(hole_velocities, step)
     curve = curve_points(run.march, begin, end)
+
     packed: dict[str, _Packed] = {
         "handles": positions,
         "velocities": velocities,
@@ -154,6 +156,7 @@ def _contact_windows(run: Run) -> list[dict[str, Any]]:
     windows = run.events.windows()
     first = run.first_contact
     if first is not None:
+        # Its window takes the place of the one that the engine logged, if there is one.
         end = None
         for window in windows:
             if window.benches == first.benches and window.begin >= first.time:
@@ -180,7 +183,8 @@ def curve_points(march: March, start: float, end: float) -> Array:
     # A chord c of a curve with the curvature k has an error of k c^2 / 8.
     error = CURVE_ERROR * float(march.dragon.widths.min())
     chords = np.sqrt(curvature / (8 * error)) * np.diff(s)
-    # Number of chords up to each sample; on a straight line it rises slowly, and leaves the ends.
+    # Number of chords up to each sample. It rises a little even on a straight line, of which the two
+    # ends are shown.
     passed = np.concatenate([[0.0], np.cumsum(chords + 1e-9)])
     count = int(min(passed[-1] + 2, MAX_CURVE_POINTS))
     shown = np.interp(np.linspace(0.0, passed[-1], count), passed, s)

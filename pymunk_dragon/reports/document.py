@@ -144,6 +144,7 @@ def provenance(summary: Summary) -> Section:
     versions = json_values(summary.run.versions)
     versions[text("report format")] = VERSION
     groups = {"Scenario": scenario, "Settings": summary.settings, "Versions": versions}
+
     tables = {}
     for title, group in groups.items():
         rows = []
@@ -271,6 +272,7 @@ def _position_errors(summary: Summary) -> Section:
     drift = summary.drift
     first = text("Largest of the first {count} benches").format(count=drift["head_benches"])
     labels = {"head": first, "max": text("Largest of any bench")}
+
     rows = []
     for name, label in labels.items() if summary.run.player != "exact" else ():
         error = _size(drift[name])

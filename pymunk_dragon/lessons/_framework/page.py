@@ -117,6 +117,7 @@ def make_page(recordings: Sequence[Recording], language: str = "en", *, live: bo
     own = [stage.read_text(encoding="utf-8") for stage in stages if stage.exists()]
     *shared, last = (asset("pymunk_dragon", name) for name in SCRIPTS)
     script = "\n".join([*shared, *own, last])
+
     styles = (asset("pymunk_dragon", name) for name in STYLES)
     style = "\n".join([colour_variables(), *styles])
     return filled(
