@@ -183,8 +183,8 @@ def curve_points(march: March, start: float, end: float) -> Array:
     # A chord c of a curve with the curvature k has an error of k c^2 / 8.
     error = CURVE_ERROR * float(march.dragon.widths.min())
     chords = np.sqrt(curvature / (8 * error)) * np.diff(s)
-    # Number of chords up to each sample. It rises a little even on a straight line, of which the two
-    # ends are shown.
+    # Number of chords up to each sample. It rises a little even on a straight line, of which the
+    # two ends are shown.
     passed = np.concatenate([[0.0], np.cumsum(chords + 1e-9)])
     count = int(min(passed[-1] + 2, MAX_CURVE_POINTS))
     shown = np.interp(np.linspace(0.0, passed[-1], count), passed, s)
