@@ -45,7 +45,8 @@ def build(elasticity: float = 0.5, note: Any = events.append) -> pymunk.Space:
 def calm(space: pymunk.Space, time: float) -> None:
     """Live, let the benches come to rest, so that one can be dragged against the other."""
     for body in space.bodies if time > 1 else []:
-        body.velocity, body.angular_velocity = 0.97 * body.velocity, 0.97 * body.angular_velocity
+        body.velocity = 0.97 * body.velocity
+        body.angular_velocity = 0.97 * body.angular_velocity
 
 
 slider = Slider("elasticity", 0, 1, label="Elasticity", rebuilds=True)
@@ -66,21 +67,24 @@ def noted(call: str) -> None:
 space = build(note=noted)
 # An error that no caller can catch goes to this hook of Python, which by default writes it to
 # stderr.
-usual, sys.unraisablehook = sys.unraisablehook, lambda lost: print(f"hook:    {lost.exc_value}")
+usual = sys.unraisablehook
+sys.unraisablehook = lambda lost: print(f"hook:    {lost.exc_value}")
 frames = []
 for step in range(70):  # noqa: B007  # `noted` prints it.
     space.step(0.02)
-    frames.append(Image.new("RGB", (400, 380), "white"))
-    options = PillowDrawOptions(frames[-1], positive_y_is_up=True, line_width=2)
+    frame = Image.new("RGB", (400, 380), "white")
+    options = PillowDrawOptions(frame, positive_y_is_up=True, line_width=2)
     options.fit(pymunk.BB(-2.6, -2.9, 2.6, 2.04))
     space.debug_draw(options)
-    ImageDraw.Draw(frames[-1]).text((90, 230), "\n".join(calls), "black", font_size=14)
+    draw = ImageDraw.Draw(frame)
+    draw.text((90, 230), "\n".join(calls), "black", font_size=14)
+    frames.append(frame)
 sys.unraisablehook = usual
 *_, body = space.bodies
 print(f"afterwards the bench of {body.mass:.0f} kg goes at {body.velocity.length:.3f} m/s")
-frames[0].save(
-    "callbacks.gif", save_all=True, append_images=frames[1:], duration=[60] * 69 + [4000], loop=0
-)
+first, *others = frames
+duration = [60] * 69 + [4000]  # ms
+first.save("callbacks.gif", save_all=True, append_images=others, duration=duration, loop=0)
 
 # %%
 # A function of ours that fails as the dragon meets itself, called by `simulate`.

@@ -25,7 +25,9 @@ s = np.linspace(spiral.at_turn(22), 0, 1_000_001)
 path = spiral.point(s)
 beyond = np.hypot(*(path - handle).T) - bench
 i = np.flatnonzero(beyond[:-1] * beyond[1:] < 0)
-found = s[i] - beyond[i] * (s[i + 1] - s[i]) / (beyond[i + 1] - beyond[i])
+step = s[i + 1] - s[i]
+change = beyond[i + 1] - beyond[i]
+found = s[i] - beyond[i] * step / change
 points = spiral.point(found)
 
 # %%
@@ -33,17 +35,21 @@ points = spiral.point(found)
 back = int(np.searchsorted(found, here)) - 1
 print(f"{len(found)} points at {bench} m from handle 0, whose r = {np.hypot(*handle):.3f} m")
 for j in range(back - 2, back + 4):
-    turns = (spiral.angle(found[j]) - spiral.angle(here)) / (2 * np.pi)
+    angle = spiral.angle(found[j]) - spiral.angle(here)
+    turns = angle / (2 * np.pi)
     x, y = points[j]
     print(f"{turns:6.3f} turns back  arc {here - found[j]:7.3f} m  ", end="")
     print(f"r = {np.hypot(x, y):.3f} m  ({x:.4f}, {y:7.4f}) m")
-x, y = March(Dragon(head_spacing=bench), spiral).at(t).positions[0, 1]
+march = March(Dragon(head_spacing=bench), spiral)
+x, y = march.at(t).positions[0, 1]
 print(f"March's handle 1                              ({x:.4f}, {y:7.4f}) m")
 
 plt.figure(figsize=(5, 5))
 plt.plot(*path.T, "silver")
 turn = np.linspace(0, 2 * np.pi, 361)
-plt.plot(handle[0] + bench * np.cos(turn), handle[1] + bench * np.sin(turn), "black")
+circle_x = handle[0] + bench * np.cos(turn)
+circle_y = handle[1] + bench * np.sin(turn)
+plt.plot(circle_x, circle_y, "black")
 plt.plot(*points.T, "o")
 for j, name in ((back, "next"), (back - 2, "out"), (back + 2, "in")):
     plt.plot(*np.transpose([handle, points[j]]), "o-", label=name)

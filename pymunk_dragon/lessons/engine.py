@@ -18,10 +18,10 @@ march = March(Dragon(benches=40))
 substeps = [0.02, 0.01, 0.005]  # s
 plt.figure(figsize=(5, 3.5))
 for iterations in (5, 15, 60, 240):
-    runs = [
-        simulate(march, start=400, until=405, substep=h, iterations=iterations) for h in substeps
-    ]
-    errors = [1e6 * run.max_drift for run in runs]
+    errors = []
+    for h in substeps:
+        run = simulate(march, start=400, until=405, substep=h, iterations=iterations)
+        errors.append(1e6 * run.max_drift)
     print(
         f"{iterations:3d} iterations",
         *(f"  {h} s: {d:5.2f} µm" for h, d in zip(substeps, errors, strict=True)),
@@ -38,13 +38,16 @@ plt.savefig("engine.png", bbox_inches="tight")
 hole = (1.0, 1.0)  # m
 for name in ("GrooveJoint", "PinJoint"):
     space = pymunk.Space()
-    body, anchor = pymunk.Body(1, 1), pymunk.Body(body_type=pymunk.Body.KINEMATIC)
+    body = pymunk.Body(1, 1)
+    anchor = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
     body.velocity = anchor.velocity = (1, 0)
     # The groove is that line; the pin, 1 m long, hangs from an anchor that goes along above the
     # hole.
     anchor.position = (hole[0], hole[1] + 1)
     if name == "GrooveJoint":
-        space.add(pymunk.GrooveJoint(space.static_body, body, (0, hole[1]), (9, hole[1]), hole))
+        begin = (0, hole[1])
+        end = (9, hole[1])
+        space.add(pymunk.GrooveJoint(space.static_body, body, begin, end, hole))
     else:
         space.add(pymunk.PinJoint(anchor, body, (0, 0), hole))
     space.add(body, anchor)

@@ -14,14 +14,16 @@ from numpy.typing import ArrayLike, NDArray
 from pymunk_dragon import Dragon, March, first_contact, scan, separation
 
 march = March(Dragon(width=0.301))
-for name, hit in {"scan": scan(march, step=1), "first_contact": first_contact(march)}.items():
+searches = {"scan": scan(march, step=1), "first_contact": first_contact(march)}
+for name, hit in searches.items():
     print(f"{name:14}{hit.time:.6f} s  benches {hit.benches}  {hit.samples:5} samples")
 
 
 def gap(times: ArrayLike) -> NDArray[np.float64]:
     """From the head to the nearest of benches 2 to 15 in mm; negative where they overlap."""
     benches = march.dragon.outlines(march.at(times, handles=17).poses)
-    return np.array(1000 * separation(benches[:, :1], benches[:, 2:]).distance.min(axis=1))
+    distance = separation(benches[:, :1], benches[:, 2:]).distance
+    return np.array(1000 * distance.min(axis=1))
 
 
 # %%
@@ -47,9 +49,11 @@ print(f"{'this search':14}{until:.6f} s  none before {begins[0]:.5f} s  {samples
 # %%
 # How long and how deep the contact is, and the angle between the two benches when it is deepest.
 times = until + np.linspace(-0.07, 0.27, 34_001)
-touching, deepest = times[gap(times) <= 0], gap(times).argmin()
+touching = times[gap(times) <= 0]
+deepest = gap(times).argmin()
 _, bench = hit.contact.benches
-angle = np.degrees(np.ptp(march.at(times[deepest]).poses[0, [0, bench], 2]))
+directions = march.at(times[deepest]).poses[0, [0, bench], 2]
+angle = np.degrees(np.ptp(directions))
 print(f"{np.ptp(touching):.3f} s long  {-gap(times)[deepest]:.3f} mm deep  ", end="")
 print(f"at an angle of {angle:.2f} degrees")
 

@@ -18,7 +18,8 @@ from pymunk_dragon.model.dragon import bench_poses
 # The exact model: the near misses, and the first contact. Then checks every 10 s, and bisection
 # where benches overlap.
 march = March()
-hit, sampled = first_contact(march), scan(march, until=420, step=10)
+hit = first_contact(march)
+sampled = scan(march, until=420, step=10)
 for miss in hit.near_misses:
     print(f"{'exact':15}{miss.time:.3f} s  benches {miss.benches}  gap {1000 * miss.gap:.3f} mm")
 print(f"{'exact':15}{hit.time:.3f} s  benches {hit.benches}  contact")
@@ -36,8 +37,9 @@ for time in times[overlaps][:1]:  # the first one, if there is any
 # %%
 # Pymunk: by default it takes 50 steps a second, and in each of them the solver goes over all joints
 # 10 times. The coarse one takes 10 steps, and goes over them once.
+careful = simulate(march, start=398)
 coarse = simulate(march, start=398, until=413, substep=0.1, iterations=1)
-for name, run in (("careful engine", simulate(march, start=398)), ("coarse engine", coarse)):
+for name, run in (("careful engine", careful), ("coarse engine", coarse)):
     touch = run.first_contact
     print(f"{name:15}{touch.time:.3f} s  benches {touch.benches}  contact  ", end="")
     print(f"off by up to {1000 * run.max_drift:.4g} mm")
@@ -45,13 +47,15 @@ for name, run in (("careful engine", simulate(march, start=398)), ("coarse engin
 # %%
 # For the check: where the head's rear left corner and two handles are at the last near miss.
 state = march.at(miss.time)
-points = march.dragon.outlines(state.poses)[0, 0, 3], *state.positions[0, 11:13]
+corner = march.dragon.outlines(state.poses)[0, 0, 3]
+points = (corner, *state.positions[0, 11:13])
 names = ("C, corner of the head", "A, handle 11", "B, handle 12")
 for name, (x, y) in zip(names, points, strict=True):
     print(f"{name:22}({x:.6f}, {y:.6f}) m")
 
 outlines = march.dragon.outlines(march.at(times, handles=17).poses)
-gaps = separation(outlines[:, :1], outlines[:, 2:]).distance.min(axis=1)
+distance = separation(outlines[:, :1], outlines[:, 2:]).distance
+gaps = distance.min(axis=1)
 plt.figure(figsize=(5, 3))
 plt.plot(times, 1000 * gaps)
 plt.xlabel("time (s)")

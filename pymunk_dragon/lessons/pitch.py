@@ -27,7 +27,8 @@ def smallest_gap(pitch: float, step: float) -> float:
     arrival = spiral.at_radius(4.5) - march.head_start  # m along the spiral, and so s at 1 m/s
     times = np.arange(max(0, arrival // 1 - 20), arrival, step)
     benches = march.dragon.outlines(march.at(times).poses)
-    return float(1000 * separation(benches[:, :1], benches[:, 2:]).distance.min())
+    distance = separation(benches[:, :1], benches[:, 2:]).distance
+    return float(1000 * distance.min())
 
 
 # %%

@@ -32,8 +32,6 @@ points = [
     (-0.5, 0.25),
     (-0.25, 0.3),
     (-0.03, 0.15),
-]
-points += [
     (0.1, -0.1),
     (0.32, -0.25),
     (0.55, -0.15),
@@ -61,10 +59,11 @@ print(
 
 # ... and where is each joint, and how fast?
 states = march.at(np.arange(0.1, hit.time - 0.1, 0.1))
-for word, found in [("fastest", states.speeds.argmax()), ("slowest", states.speeds.argmin())]:
-    now, joint = np.unravel_index(found, states.speeds.shape)
+speeds = states.speeds
+for word, found in [("fastest", speeds.argmax()), ("slowest", speeds.argmin())]:
+    now, joint = np.unravel_index(found, speeds.shape)
     print(f"{word}  joint {joint:2d}   t = {states.times[now]:.1f} s   ", end="")
-    print(f"{states.speeds[now, joint]:.3f} m/s")
+    print(f"{speeds[now, joint]:.3f} m/s")
 # Where the slowest one was before, and after.
 for time in (states.times[now] - 0.1, states.times[now] + 0.1):
     x, y = march.at(time).positions[0, joint]

@@ -23,15 +23,18 @@ names = ["along A", "across A", "along B", "across B"]
 
 def benches(degrees: float) -> NDArray[np.float64]:
     """Corners of both benches, of which B is turned: (2 benches, 4 corners, x and y)."""
-    return outlines([(0, 0, 0), (aside, ahead, np.radians(degrees))], [length, length], width)
+    b = (aside, ahead, np.radians(degrees))
+    return outlines([(0, 0, 0), b], [length, length], width)
 
 
 def gaps(degrees: float) -> NDArray[np.float64]:
     """Gaps of the shadows on the axes along all edges, m; below zero the shadows overlap."""
     corners = benches(degrees)
-    axes = ((corners[:, [1, 3]] - corners[:, [0]]) / [[length], [width]]).reshape(4, 2)
+    edges = corners[:, [1, 3]] - corners[:, [0]]
+    axes = (edges / [[length], [width]]).reshape(4, 2)
     seen = corners @ axes.T  # how far each corner is along each axis
-    begins, ends = seen.min(axis=1), seen.max(axis=1)
+    begins = seen.min(axis=1)
+    ends = seen.max(axis=1)
     return np.array(np.maximum(begins[1] - ends[0], begins[0] - ends[1]))
 
 
@@ -45,7 +48,8 @@ for turn in range(30, 180, 30):
 
 turns = range(181)
 plt.figure(figsize=(5, 3.5))
-plt.plot(turns, [gaps(turn) for turn in turns], label=names[: len(gaps(0))])
+curves = [gaps(turn) for turn in turns]
+plt.plot(turns, curves, label=names[: len(gaps(0))])
 plt.axhline(0, color="black", lw=0.8)
 plt.xlabel("angle of B (degrees)")
 plt.ylabel("gap (m)")

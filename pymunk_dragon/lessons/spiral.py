@@ -16,10 +16,12 @@ from pymunk_dragon import Spiral
 # The spiral is r = k theta, and each turn is 0.55 m further out. The head starts on turn 16, 8.8 m
 # from the centre.
 spiral = Spiral(pitch=0.55)
-speed, until = 1.0, 400
+speed = 1.0  # m/s
+until = 400  # s
 t = np.linspace(0, until, 100 * until + 1)
 s = spiral.at_turn(16) + speed * t  # metres along the curve
-theta, points = spiral.angle(s), spiral.point(s)
+theta = spiral.angle(s)
+points = spiral.point(s)
 
 # %%
 # Both speeds, measured as with a stopwatch: what has changed within 0.01 s, over that time.

@@ -31,18 +31,25 @@ DRAG = MASS * (1 - KEPT**STEP) / STEP
 def build(benches: int = BENCHES, dancers: int = 0) -> pymunk.Space:
     """The head pulls at 1 m/s, and the ground drags at the benches. Pull, and cut a joint."""
     space = pymunk.Space()
-    space.damping, space.iterations = KEPT, 60
+    space.damping = KEPT
+    space.iterations = 60
     head = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
-    bodies = [head, *(pymunk.Body(MASS, moment=4.0) for _ in range(benches))]
+    bodies = [head]
+    for _ in range(benches):
+        bodies.append(pymunk.Body(MASS, moment=4.0))
+
     for number, body in enumerate(bodies):
-        body.position, body.velocity = (-2 * number, 0), (1, 0)
+        body.position = (-2 * number, 0)
+        body.velocity = (1, 0)
         shape = pymunk.Poly.create_box(body, (2, 0.3))
         shape.filter = pymunk.ShapeFilter(group=1)
         space.add(body, shape)
         if number * dancers % benches < dancers:
             body.velocity_func = pushed
+
     for before, body in pairwise(bodies):
-        space.add(pymunk.PivotJoint(before, body, (-1, 0), (1, 0)))
+        joint = pymunk.PivotJoint(before, body, (-1, 0), (1, 0))
+        space.add(joint)
     return space
 
 

@@ -18,7 +18,8 @@ for ratio in (0.5, 1.0, 1.5, 2.0, 4.0):
     turn = UTurn(pitch=1.7, radius=4.5, ratio=ratio)
     points = turn.point(np.linspace(0, turn.joints[-1], 100_001))
     length = np.hypot(*np.diff(points, axis=0).T).sum()
-    (first, second), angles = turn.radii, np.degrees(np.abs(turn.sweeps))
+    first, second = turn.radii
+    angles = np.degrees(np.abs(turn.sweeps))
     print(f"radii {first:.3f} and {second:.3f} m  ", end="")
     print(f"angles {angles[0]:.1f} and {angles[1]:.1f} degrees  length {length:.4f} m")
     plt.plot(*points.T, label=f"{ratio:g} to 1")

@@ -24,7 +24,8 @@ print(f"without dancers: t = {hit.time:.1f} s  benches {hit.benches} touch")
 some = [0, 4, 8, 16, 28, 60]
 print("bench               " + "".join(f"{bench:7d}" for bench in some))
 for name, run in [("with   ", guided), ("without", alone)]:
-    (begin, end), _ = march.dragon.holes(run.poses_at([0, hit.time]))
+    poses = run.poses_at([0, hit.time])
+    (begin, end), _ = march.dragon.holes(poses)
     for what, far in [("from middle", end), ("from start ", end - begin)]:
         print(f"{name} {what}" + "".join(f"{np.hypot(*far[bench]):7.2f}" for bench in some) + " m")
 

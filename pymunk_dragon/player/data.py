@@ -21,14 +21,20 @@ from pymunk_dragon._arrays import Array
 from pymunk_dragon.collision import Grid
 from pymunk_dragon.drawing.scene import hole_diameter
 from pymunk_dragon.errors import UnreachableError
+from pymunk_dragon.model.contact import ContactWindow
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run, position_errors
 from pymunk_dragon.reports.summary import Summary
 
-# Steps as fractions of a bench's width: 0.2 micrometres of positions at the contest's 0.3 m, so
-# that a gap between two benches is known to a thousandth of a millimetre, and 0.5 of the exact
-# model's offsets, or a share of the largest.
-STEP, _EXACT_STEP, _EXACT_SHARE = 1 / 1_500_000, 1 / 600_000, 1e-5
+# Step of positions as a fraction of a bench's width: 0.2 micrometres at the contest's 0.3 m, so
+# that a gap between two benches is known to a thousandth of a millimetre.
+STEP = 1 / 1_500_000
+# Step of the exact model's offsets as a fraction of a bench's width: 0.5 micrometres at the
+# contest's 0.3 m.
+_EXACT_STEP = 1 / 600_000
+# Least step of the exact model's offsets as a fraction of the largest offset, so that the offsets
+# of a run that is far off take few bytes.
+_EXACT_SHARE = 1e-5
 # Step of velocities times the frame interval, in steps of positions: both change interpolated
 # positions equally.
 _VELOCITY_STEP = 4
@@ -43,8 +49,14 @@ _MAX_COUNT = 2**31 - 2
 # Largest distance of the drawn curve from the true one as a fraction of a bench's width: 0.1 mm at
 # the contest's 0.3 m.
 CURVE_ERROR = 1 / 3000
-# Samples of the curvature, and largest number of points of the curve in a page.
-_CURVE_SAMPLES, MAX_CURVE_POINTS = 4000, 20_000
+# Samples of the curvature along the curve.
+_CURVE_SAMPLES = 4000
+# Largest number of points of the curve in a page.
+MAX_CURVE_POINTS = 20_000
+# The largest curvature over the one that straight parts count as: their chords are three times as
+# long as the shortest. The page leaves out points in a distant view, and a chord across a joint
+# must not be much further off than others.
+_STRAIGHT_RATIO = 9
 
 # Shape and scale of packed vectors as JSON values, and their text.
 _Packed = tuple[dict[str, Any], str]
@@ -52,89 +64,108 @@ _Packed = tuple[dict[str, Any], str]
 
 def player_data(summary: Summary) -> tuple[dict[str, Any], dict[str, str]]:
     """Payload of the page as JSON values in m and s, and the texts of its packed vectors."""
-    run, dragon = summary.run, summary.run.march.dragon
+    run = summary.run
+    dragon = run.march.dragon
     narrowest = float(dragon.widths.min())
     begin, end = run.times[[0, -1]].tolist()
+
     positions, position_error = _pack_handles(dragon.holes(run.poses), STEP * narrowest)
-    interval = float(np.median(np.diff(run.times))) if len(run.times) > 1 else 1.0
+    interval = 1.0
+    # A run of one frame has no interval.
+    if len(run.times) > 1:
+        interval = float(np.median(np.diff(run.times)))
     step = positions[0]["step"] * _VELOCITY_STEP / interval
-    velocities, velocity_error = _pack_handles(
-        dragon.hole_velocities(run.poses, run.pose_velocities), step
-    )
-    # The exact model's near misses do not apply to benches that nothing holds on the path.
-    near_misses = () if run.free_from is not None else summary.near_misses or ()
+    hole_velocities = dragon.hole_velocities(run.poses, run.pose_velocities)
+    velocities, velocity_error = _pack_handles(hole_velocities, step)
+    curve = curve_points(run.march, begin, end)
+
     packed: dict[str, _Packed] = {
         "handles": positions,
         "velocities": velocities,
         "exact": _pack_exact(run, narrowest),
-        "curve": pack(curve_points(run.march, begin, end)[:, None], STEP * narrowest),
+        "curve": pack(curve[:, None], STEP * narrowest),
     }
-    payload = {name: shape or None for name, (shape, _) in packed.items()} | {
-        "dragon": asdict(dragon) | {"hole": hole_diameter(dragon)},
-        "grid": asdict(Grid.of(run.march)),
-        "times": run.times.tolist(),
-        "near_misses": [asdict(miss) for miss in near_misses if begin <= miss.time <= end],
-        "windows": _contact_windows(run),
-        "errors": [position_error, velocity_error],
-        "curve_error": CURVE_ERROR * narrowest,
-    }
-    return payload, dict(zip(packed, (text for _, text in packed.values()), strict=True))
+    payload: dict[str, Any] = {}
+    texts = {}
+    for name, (shape, text) in packed.items():
+        payload[name] = shape or None
+        texts[name] = text
+
+    # The exact model's near misses do not apply to benches that nothing holds on the path.
+    near_misses = summary.near_misses or () if run.free_from is None else ()
+    shown = [asdict(miss) for miss in near_misses if begin <= miss.time <= end]
+    payload["dragon"] = asdict(dragon) | {"hole": hole_diameter(dragon)}
+    payload["grid"] = asdict(Grid.of(run.march))
+    payload["times"] = run.times.tolist()
+    payload["near_misses"] = shown
+    payload["windows"] = _contact_windows(run)
+    payload["errors"] = [position_error, velocity_error]
+    payload["curve_error"] = CURVE_ERROR * narrowest
+    return payload, texts
 
 
 def pack(vectors: Array, step: float, *, from_zero: bool = False) -> _Packed:
-    """Pack `vectors` (F, H, 2) in steps of `step`, or larger ones where they exceed the range of 32 bits.
+    """Pack `vectors` (F, H, 2) in steps of `step`, or of what the range of 32 bits needs.
 
-    They are counted from zero, which is then exact, or from the middle of their range. A component
-    is off by at most half a step.
+    Steps are counted from zero, which is then exact, or from the middle of the vectors' range. A
+    component is off by at most half a step.
     """
-    low, high = vectors.min(axis=(0, 1)), vectors.max(axis=(0, 1))
+    low = vectors.min(axis=(0, 1))
+    high = vectors.max(axis=(0, 1))
     origin = np.zeros(2) if from_zero else (low + high) / 2
     reach = np.maximum(high - origin, origin - low)
     step = max(step, float(reach.max()) / _MAX_COUNT)
+
     # By point, coordinate and time, so that the differences of one track are adjacent.
-    counts = np.rint((vectors - origin) / step).astype(np.int64).transpose(1, 2, 0)
+    counts = np.rint((vectors - origin) / step).astype(np.int64)
+    counts = counts.transpose(1, 2, 0)
     for _ in range(_ORDER):
         counts = np.diff(counts, axis=-1, prepend=0)
-    wrapped = counts.astype(np.int32).astype(np.int64)
-    folded = ((wrapped << 1) ^ (wrapped >> 63)).astype("<u4")
+    # Modulo 2^32.
+    wrapped = counts.astype(np.int32)
+    folded = ((wrapped << 1) ^ (wrapped >> 31)).astype("<u4")
     planes = np.ascontiguousarray(folded).view(np.uint8).reshape(-1, 4).T
     text = b64encode(zlib.compress(planes.tobytes(), 9)).decode("ascii")
-    frames, points = vectors.shape[:2]
-    return {
+
+    frames, points, _ = vectors.shape
+    shape = {
         "frames": frames,
         "points": points,
         "origin": origin.tolist(),
         "step": step,
         "order": _ORDER,
-    }, text
+    }
+    return shape, text
 
 
 def _handle_vectors(front: Array, rear: Array) -> Array:
-    """Vectors (F, H, 2) of the handles from those of all front and rear holes; their mean where benches share one."""
+    """Vectors (F, H, 2) of the handles from those of all front and rear holes.
+
+    Where two benches share a handle, it is the mean of their holes.
+    """
     shared = (rear[:, :-1] + front[:, 1:]) / 2
-    return np.concatenate([front[:, :1], shared, rear[:, -1:]], axis=1)
+    return np.hstack([front[:, :1], shared, rear[:, -1:]])
 
 
 def _contact_windows(run: Run) -> list[dict[str, Any]]:
-    """Contact windows of pairs by beginning; without an `end` if the benches still touch when the run ends.
+    """Contact windows of pairs by beginning; `end` is None if the benches touch until the run ends.
 
     The log begins a window at the end of a substep. The window of the first contact begins at the
     contact's time, and exists even if no event was logged.
     """
-    windows, first = [asdict(window) for window in run.events.windows()], run.first_contact
+    windows = run.events.windows()
+    first = run.first_contact
     if first is not None:
-        its = next(
-            (
-                each
-                for each in windows
-                if each["benches"] == first.benches and each["begin"] >= first.time
-            ),
-            {},
-        )
-        if not its:
-            windows.append(its)
-        its |= {"benches": first.benches, "begin": first.time, "end": its.get("end")}
-    return sorted(windows, key=lambda window: (window["begin"], window["benches"]))
+        # Its window takes the place of the one that the engine logged, if there is one.
+        end = None
+        for window in windows:
+            if window.benches == first.benches and window.begin >= first.time:
+                windows.remove(window)
+                end = window.end
+                break
+        windows.append(ContactWindow(benches=first.benches, begin=first.time, end=end))
+    windows.sort(key=lambda window: (window.begin, window.benches))
+    return [asdict(window) for window in windows]
 
 
 def curve_points(march: March, start: float, end: float) -> Array:
@@ -144,45 +175,52 @@ def curve_points(march: March, start: float, end: float) -> Array:
     later.
     """
     curve = march.curve
-    s = np.linspace(*march.span(min(start, 0.0), max(end, 0.0)), _CURVE_SAMPLES)
-    # A chord c of a curve with the curvature k has an error of k c^2 / 8; this is the number of
-    # chords between samples. On straight parts chords are three times as long as the shortest: the
-    # page leaves out points in a distant view, and a chord across a joint must not be much further
-    # off than others.
+    first, last = march.span(min(start, 0.0), max(end, 0.0))
+    s = np.linspace(first, last, _CURVE_SAMPLES)
     curvature = curve.max_curvature(s[:-1], s[1:])
-    curvature = np.where(curvature > 0, curvature, curvature.max() / 9)
-    chords = np.sqrt(curvature / (8 * CURVE_ERROR * float(march.dragon.widths.min()))) * np.diff(s)
-    # Of a straight line there are the two ends.
+    curvature = np.where(curvature > 0, curvature, curvature.max() / _STRAIGHT_RATIO)
+
+    # A chord c of a curve with the curvature k has an error of k c^2 / 8.
+    error = CURVE_ERROR * float(march.dragon.widths.min())
+    chords = np.sqrt(curvature / (8 * error)) * np.diff(s)
+    # Number of chords up to each sample. It rises a little even on a straight line, of which the
+    # two ends are shown.
     passed = np.concatenate([[0.0], np.cumsum(chords + 1e-9)])
     count = int(min(passed[-1] + 2, MAX_CURVE_POINTS))
-    return curve.point(np.interp(np.linspace(0.0, passed[-1], count), passed, s))
+    shown = np.interp(np.linspace(0.0, passed[-1], count), passed, s)
+    return curve.point(shown)
 
 
 def _exact_offsets(run: Run) -> Array | None:
-    """Vectors (K, H, 2) in m from the handles to the exact model's, in the first K frames, where the model has a state.
+    """Vectors (K, H, 2) in m from the handles to the exact model's.
 
-    None in a run of the exact model, and if the run's position errors are unknown or refer to other
-    times, as after a change of the speed in a live session.
+    There are those of the first K frames, in which the model has a state. None in a run of the
+    exact model, and if the run's position errors are unknown or refer to other times, as after a
+    change of the speed in a live session.
     """
     if run.player == "exact":
         return None
-    known = int(np.isfinite(run.drift).all(axis=1).cumprod().sum())
+    has_state = np.isfinite(run.drift).all(axis=1)
+    known = int(has_state.cumprod().sum())
     try:
         exact = run.march.at(run.times[:known]).positions
     except UnreachableError:
         return None
-    dragon, poses = run.march.dragon, run.poses[:known]
-    same = np.allclose(
-        position_errors(dragon, poses, exact), run.drift[:known], rtol=1e-6, atol=_ROUNDING
-    )
+
+    dragon = run.march.dragon
+    poses = run.poses[:known]
+    errors = position_errors(dragon, poses, exact)
+    same = np.allclose(errors, run.drift[:known], rtol=1e-6, atol=_ROUNDING)
     return exact - _handle_vectors(*dragon.holes(poses)) if same and known else None
 
 
 def _pack_exact(run: Run, narrowest: float) -> _Packed:
-    """Packed offsets of the exact model's handles; nothing, and an empty text, if they are unknown."""
-    if (offsets := _exact_offsets(run)) is None:
+    """Packed offsets of the exact model's handles; if they are unknown, no shape and no text."""
+    offsets = _exact_offsets(run)
+    if offsets is None:
         return {}, ""
-    step = max(_EXACT_STEP * narrowest, _EXACT_SHARE * float(np.abs(offsets).max()))
+    largest = float(np.abs(offsets).max())
+    step = max(_EXACT_STEP * narrowest, _EXACT_SHARE * largest)
     return pack(offsets, step, from_zero=True)
 
 
@@ -191,5 +229,9 @@ def _pack_handles(holes: tuple[Array, Array], step: float) -> tuple[_Packed, flo
     front, rear = holes
     shared = _handle_vectors(front, rear)
     packed = pack(shared, step)
-    openings = np.stack([shared[:, :-1] - front, shared[:, 1:] - rear])
-    return packed, float(np.linalg.norm(openings, axis=-1).max() + packed[0]["step"] / np.sqrt(2))
+    front_openings = shared[:, :-1] - front
+    rear_openings = shared[:, 1:] - rear
+    openings = np.stack([front_openings, rear_openings])
+    opening = np.linalg.norm(openings, axis=-1).max()
+    # In both coordinates a packed vector is off by at most half a step.
+    return packed, float(opening + packed[0]["step"] / np.sqrt(2))

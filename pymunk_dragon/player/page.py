@@ -24,21 +24,27 @@ def write_player(run: Run, path: str | Path, *, title: str | None = None) -> Non
 
     Parameters
     ----------
-    run, path, title : Run, path, str, optional
-        The run, the file, which ends in .html, and the heading. An interruption leaves the old file
-        or none.
+    run : Run
+        The run to show.
+    path : path
+        File to write, which ends in .html. An interruption leaves the old file or none.
+    title : str, optional
+        Heading of the page; by default the result of the run.
 
     Raises
     ------
-    ParameterError, OutputError
-        If a parameter is unusable, or writing fails.
+    ParameterError
+        If a parameter is unusable.
+    OutputError
+        If writing fails.
 
     Examples
     --------
     >>> from pymunk_dragon import Dragon, March, Run, write_player
     >>> write_player(Run.exact(March(Dragon(benches=8)), [0.0, 1.0]), "run.html")
     """
-    destination, page = check_destination(path, PLAYER_ENDINGS), player_page(run, title=title)
+    destination = check_destination(path, PLAYER_ENDINGS)
+    page = player_page(run, title=title)
     with written_in_place(destination) as draft:
         # Bytes, since text mode would convert line ends, and the hashes of script and style would
         # no longer match.
@@ -80,20 +86,25 @@ def player_page(run: Run, *, title: str | None = None) -> str:
         raise ParameterError("title", title, "a text")
     summary = summarize(run)
     payload, packed = player_data(summary)
-    english, chinese = (_texts_of(summary, code) for code in ("en", "zh"))
+    english = _texts_of(summary, "en")
+    chinese = _texts_of(summary, "zh")
     own = {one: two for one, two in zip(english, chinese, strict=True) if one != two}
+    texts = catalogue(__package__) | own
     # A file cannot hold halves of surrogate pairs.
     heading = title.encode("utf-8", "replace").decode("utf-8") if title else english[0]
+
+    body = asset(__package__, "assets/player.html")
+    style = asset(__package__, "assets/layout.css")
     page, _ = document(
         "player",
-        asset(__package__, "assets/player.html"),
-        asset(__package__, "assets/layout.css"),
+        body,
+        style,
         language=language(),
         title=escape(heading),
         subtitle=escape(english[1]),
         provenance=_provenance_html(summary),
         last_bench=str(run.march.dragon.benches - 1),
-        texts=embedded_json({"zh": catalogue(__package__) | own}),
+        texts=embedded_json({"zh": texts}),
         payload=embedded_json(payload),
         **packed,
     )
@@ -103,13 +114,10 @@ def player_page(run: Run, *, title: str | None = None) -> str:
 def _texts_of(summary: Summary, code: str) -> list[str]:
     """Texts about the run in a language: headline, subtitle and provenance."""
     with in_language(code):
-        tables = provenance(summary).tables.items()
-        facts = [
-            text
-            for heading, table in tables
-            for text in (heading, *chain.from_iterable(table.rows))
-        ]
-        return [headline(summary), subtitle(summary), *facts]
+        texts = [headline(summary), subtitle(summary)]
+        for heading, table in provenance(summary).tables.items():
+            texts += [heading, *chain.from_iterable(table.rows)]
+        return texts
 
 
 @in_language("en")
@@ -117,9 +125,8 @@ def _provenance_html(summary: Summary) -> str:
     """Provenance of the run, as in reports."""
     html = ""
     for heading, table in provenance(summary).tables.items():
-        rows = "".join(
-            f"<div><dt>{escape(name)}</dt><dd>{escape(value)}</dd></div>"
-            for name, value in table.rows
-        )
+        rows = ""
+        for name, value in table.rows:
+            rows += f"<div><dt>{escape(name)}</dt><dd>{escape(value)}</dd></div>"
         html += f"<div><h3>{escape(heading)}</h3><dl>{rows}</dl></div>"
     return html

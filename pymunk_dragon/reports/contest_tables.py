@@ -1,4 +1,4 @@
-"""Tables of the contest and of the paper, for any march: XLSX files in the contest's layout, and text."""
+"""Tables of any march: XLSX files in the contest's layout, and the tables of the paper as text."""
 
 from __future__ import annotations
 
@@ -28,8 +28,13 @@ _MAX_COLUMNS = 16_384
 # Creation date in the file's properties: constant, in the year of the contest, so that equal
 # contents give equal bytes.
 _CREATED = datetime(2024, 9, 5)
-# Names of handles in the templates: head, n-th body bench, tail, rear of the tail.
-_HEAD, _BODY, _TAIL = "龙头", "第{}节龙身", "龙尾"
+# Names of handles in the templates: the first one, of the head.
+_HEAD = "龙头"
+# The front handle of a body bench, by its number from 1.
+_BODY = "第{}节龙身"
+# The front handle of the tail.
+_TAIL = "龙尾"
+# The rear handle of the tail, in the brackets of the template.
 _LAST = "龙尾（后）"  # noqa: RUF001  # The template's own brackets.
 # m or m/s: added to magnitudes before truncation, so that 8.8 m or 1 m/s with a rounding error keep
 # their digits.
@@ -37,7 +42,9 @@ _ROUNDING_TOLERANCE = 1e-11
 
 
 def write_tables(march: March, times: ArrayLike, path: str | Path) -> None:
-    """Write positions and speeds of every handle at times in s as the contest's result1.xlsx and result4.xlsx.
+    """Write positions and speeds of every handle at times in s as a workbook.
+
+    The layout is that of the contest's result1.xlsx and result4.xlsx.
 
     Examples
     --------
@@ -47,48 +54,61 @@ def write_tables(march: March, times: ArrayLike, path: str | Path) -> None:
     check_march(march)
     t = numbers("times", times).ravel()
     if not 1 <= t.size < _MAX_COLUMNS:
-        raise ParameterError(
-            "times", t.size, f"1 to {_MAX_COLUMNS - 1} of them, as many as a sheet has columns"
-        )
+        bound = f"1 to {_MAX_COLUMNS - 1} of them, as many as a sheet has columns"
+        raise ParameterError("times", t.size, bound)
+
     states = march.at(t)
-    names = _handle_names(march.dragon.handles)
     labels = [f"{time + 0.0:.12g} s" for time in t.tolist()]
+    names = _handle_names(march.dragon.handles)
+    coordinate_names = [f"{name}{axis} (m)" for name in names for axis in "xy"]
     # In the templates two spaces precede the unit of all speeds but the first and the last.
-    speed_names = [f"{_HEAD} (m/s)", *(f"{name}  (m/s)" for name in names[1:-1]), f"{_LAST} (m/s)"]
+    body_names = [f"{name}  (m/s)" for name in names[1:-1]]
+    speed_names = [f"{_HEAD} (m/s)", *body_names, f"{_LAST} (m/s)"]
     # Positions (T, H, 2) as rows x, y of each handle, (2 H, T).
     positions = states.positions.reshape(t.size, -1).T
     sheets = {
-        "位置": (labels, [f"{name}{axis} (m)" for name in names for axis in "xy"], positions),
+        "位置": (labels, coordinate_names, positions),
         "速度": (labels, speed_names, states.speeds.T),
     }
     _write_sheets(destination, sheets)
 
 
 def write_contact_table(march: March, impact_time: float, path: str | Path) -> None:
-    """Write positions and speeds of every handle at the time of the first contact, s, as the contest's result2.xlsx."""
+    """Write positions and speeds of every handle at the time of the first contact, s.
+
+    The layout is that of the contest's result2.xlsx.
+    """
     destination = check_destination(path, (".xlsx",))
     check_march(march)
-    states = march.at([finite("impact_time", impact_time, -math.inf, math.inf, "s")])
+    time = finite("impact_time", impact_time, -math.inf, math.inf, "s")
+    states = march.at([time])
     values = np.column_stack([states.positions[0], states.speeds[0]])
     labels = ("横坐标x (m)", "纵坐标y (m)", "速度 (m/s)")
-    _write_sheets(destination, {"Sheet1": (labels, _handle_names(march.dragon.handles), values)})
+    names = _handle_names(march.dragon.handles)
+    _write_sheets(destination, {"Sheet1": (labels, names, values)})
 
 
 def paper_tables(march: March, impact_time: float | None) -> str:
-    """Tables 1 to 3 of the paper as text, truncated to three decimals as there; the third one at a first contact, s."""
+    """Tables 1 to 3 of the paper as text, with three decimals, truncated as in the paper.
+
+    The third table is that of the first contact at `impact_time`, s.
+    """
     check_march(march)
     if impact_time is not None:
         impact_time = finite("impact_time", impact_time, -math.inf, math.inf, "s")
+
     handles = march.dragon.representatives
     states = march.at(_TABLE_TIMES)
     times = [f"{time:g} s" for time in _TABLE_TIMES]
     coordinates = states.positions[:, handles].reshape(len(times), -1).T
     names = [f"{handle} {axis}" for handle in handles for axis in "xy"]
     lines = _text_table(text("Table 1: positions, m"), times, names, coordinates)
-    lines += _text_table(text("Table 2: speeds, m/s"), times, handles, states.speeds[:, handles].T)
+    speeds = states.speeds[:, handles].T
+    lines += _text_table(text("Table 2: speeds, m/s"), times, handles, speeds)
+
     if impact_time is not None:
         states = march.at([impact_time])
-        values = np.column_stack([states.positions[0, handles], states.speeds[0, handles]])
+        values = np.column_stack([states.positions[0], states.speeds[0]])[handles]
         title = text("Table 3: at the first contact, {time:.9f} s").format(time=impact_time)
         lines += _text_table(title, ["x (m)", "y (m)", text("speed (m/s)")], handles, values)
     return "\n".join(lines[:-1])
@@ -96,13 +116,17 @@ def paper_tables(march: March, impact_time: float | None) -> str:
 
 def _handle_names(handles: int) -> list[str]:
     """Names of the handles in the contest's templates."""
-    return [_HEAD, *(_BODY.format(i) for i in range(1, handles - 2)), _TAIL, _LAST]
+    body = [_BODY.format(i) for i in range(1, handles - 2)]
+    return [_HEAD, *body, _TAIL, _LAST]
 
 
 def _write_sheets(
     destination: Path, sheets: Mapping[str, tuple[Sequence[str], Sequence[str], Array]]
 ) -> None:
-    """Write worksheets (labels of columns, labels of rows, values) as a workbook with reproducible bytes."""
+    """Write worksheets as a workbook with reproducible bytes.
+
+    A sheet has labels of its columns, labels of its rows, and values.
+    """
     xlsxwriter = library("xlsxwriter")
     # A `ZipFile` that cannot write its end when it is deleted prints an error; to memory it can.
     content = BytesIO()
@@ -112,11 +136,9 @@ def _write_sheets(
         try:
             with xlsxwriter.Workbook(content, options) as book:
                 book.set_properties({"created": _CREATED, "author": "pymunk_dragon"})
+                number = book.add_format({"num_format": "0.000000"})
                 for title, (labels, names, values) in sheets.items():
-                    sheet, number = (
-                        book.add_worksheet(title),
-                        book.add_format({"num_format": "0.000000"}),
-                    )
+                    sheet = book.add_worksheet(title)
                     # Characters, enough for the longest name and value.
                     sheet.set_column(0, 0, 18)
                     sheet.set_column(1, len(labels), 11)
@@ -136,15 +158,18 @@ def _write_sheets(
 
 def _truncated(value: float) -> str:
     """`value` truncated to three decimals."""
-    return f"{math.trunc(1000 * (value + math.copysign(_ROUNDING_TOLERANCE, value))) / 1000:.3f}"
+    value += math.copysign(_ROUNDING_TOLERANCE, value)
+    return f"{math.trunc(1000 * value) / 1000:.3f}"
 
 
 def _text_table(
     title: str, labels: Sequence[str], names: Sequence[object], rows: Array
 ) -> list[str]:
     """Lines of a text table with truncated values."""
-    cells = [
-        [str(name), *map(_truncated, row)] for name, row in zip(names, rows.tolist(), strict=True)
-    ]
-    formats = (">8", *(f">{max(10, width(label))}" for label in labels))
+    cells = []
+    for name, row in zip(names, rows.tolist(), strict=True):
+        cells.append([str(name), *map(_truncated, row)])
+    formats = [">8"]
+    for label in labels:
+        formats.append(f">{max(10, width(label))}")
     return [title, *table((text("handle"), *labels), formats, cells), ""]

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any, NamedTuple, TypeVar
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
 
 from pymunk_dragon._language import text
 from pymunk_dragon.collision import NearMiss
-from pymunk_dragon.model.contact import Contact, ContactEvent, ContactWindow, contact_text
+from pymunk_dragon.model.contact import ContactLog, ContactWindow, contact_text
 from pymunk_dragon.reports.summary import VERSION, Summary, json_values
 
 # Text of a missing value.
@@ -17,26 +17,39 @@ _MISSING = "\u2013"
 _MAX_ROWS = 1000
 # Names of curves in sentences; others appear under their kind, or the name of their class.
 _CURVES = {
-    "Spiral": "spiral",
     "UTurn": "U-turn",
     "Sampled": "smooth path",
     "Composite": "path of several pieces",
+    "Line": "straight line",
+    "Arc": "circular arc",
 }
-_CURVES |= {"Line": "straight line", "Arc": "circular arc"}
-# The sizes of a curve in sentences, and the players.
+# Sizes of a curve in sentences.
 _SIZES = {
     "pitch": ", pitch {size} m",
     "radius": ", in a circle of {size} m",
     "length": " of {size} m",
 }
+# Players in sentences.
 _PLAYERS = {
     "pymunk": "played by Pymunk",
     "exact": "played by the exact model",
     None: "of an unknown player",
 }
-# Below the tables of a report.
+# Columns of the table of events.
+_EVENT_HEADS = (
+    "time (s)",
+    "phase",
+    "benches",
+    "points (m)",
+    "normal",
+    "depth (mm)",
+    "relative velocity (m/s)",
+    "impulse (N s)",
+)
+# Text below the tables of a report.
 NOTE = (
-    "Metres, seconds and radians; x to the right, y up. A normal points from the first bench to the second; "
+    "Metres, seconds and radians; x to the right, y up. "
+    "A normal points from the first bench to the second; "
     "relative velocities and impulses are those of the second bench."
 )
 # Units of parameters and settings, where they have one.
@@ -47,13 +60,13 @@ _UNITS |= dict.fromkeys(("start", "until", "substep", "frame_interval"), " s")
 _UNITS |= {"start_s": " m", "drag": " 1/m", "head_force": " N"}
 
 _Row = Sequence[str]
-_Entry = TypeVar("_Entry")
-# Headings of a table's columns, and the text of an entry in each.
-_Cells = Mapping[str, Callable[[_Entry], str]]
 
 
 class Table(NamedTuple):
-    """A table of text, by default of names and values. Columns in `left` are aligned to the left."""
+    """A table of text, by default of names and values.
+
+    Columns in `left` are aligned to the left.
+    """
 
     rows: Sequence[_Row]
     heads: _Row = ("", "")
@@ -72,23 +85,30 @@ class Section(NamedTuple):
 
 def headline(summary: Summary) -> str:
     """Result of the run in one line."""
-    run, exact = summary.run, summary.exact
-    if run.first_contact is not None:
-        (i, j), time = run.first_contact.benches, _number(run.first_contact.time, 6, " s")
+    run = summary.run
+    contact = run.first_contact
+    if contact is not None:
+        i, j = contact.benches
+        time = _number(contact.time, 6, " s")
         return text("Benches {i} and {j} touch at {time}").format(i=i, j=j, time=time)
-    begin, end = (_number(time, 3, " s") for time in run.times[[0, -1]].tolist())
-    template = text("No contact from {begin} to {end}")
+
+    exact = summary.exact
     if run.outcome == "unreachable":
         template = text("No contact until {end}, where the head reaches the end of the curve")
-    elif run.player == "exact" and getattr(exact, "status", None) != "clear":
+    elif run.player == "exact" and (exact is None or exact.status != "clear"):
         # The exact player does not detect contacts, and the exact model does not exclude one.
         template = text("The dragon from {begin} to {end}")
+    else:
+        template = text("No contact from {begin} to {end}")
+    begin, end = run.times[[0, -1]].tolist()
+    begin = _number(begin, 3, " s")
+    end = _number(end, 3, " s")
     return template.format(begin=begin, end=end)
 
 
 def subtitle(summary: Summary) -> str:
     """Dragon, speed, curve and player of the run in one line."""
-    scenario, player = summary.scenario, json_values(summary.run.player)
+    scenario = summary.scenario
     name = scenario["curve"]
     kind = summary.run.march.curve.kind or name.lower()
     own_name = kind.replace("-", " ")
@@ -96,93 +116,111 @@ def subtitle(summary: Summary) -> str:
     for size, template in _SIZES.items():
         if scenario.get(size) is not None:
             curve += text(template).format(size=f"{scenario[size]:g}")
-    return text("A dragon of {benches} benches at {speed} on a {curve}, {player}").format(
-        benches=scenario["benches"],
-        speed=_speed(scenario["speed"]),
-        curve=curve,
-        player=text(_PLAYERS.get(player, "played by {player}")).format(player=player),
-    )
+
+    player = json_values(summary.run.player)
+    played = text(_PLAYERS.get(player, "played by {player}")).format(player=player)
+    speed = _speed(scenario["speed"])
+    template = text("A dragon of {benches} benches at {speed} on a {curve}, {player}")
+    return template.format(benches=scenario["benches"], speed=speed, curve=curve, player=played)
 
 
 def sections(summary: Summary) -> list[Section]:
     """Sections of a report, in order."""
-    near_misses: _Cells[NearMiss] = {
-        text("time (s)"): lambda miss: _number(miss.time, 4),
-        text("benches"): lambda miss: _pair(miss.benches),
-        text("gap (mm)"): lambda miss: _number(miss.gap, 3, scale=1e3),
-    }
-    windows: _Cells[ContactWindow] = {
-        text("benches"): lambda window: _pair(window.benches),
-        text("from (s)"): lambda window: _number(window.begin, 4),
-        text("to (s)"): lambda window: _number(window.end, 4),
-        text("for (s)"): lambda window: _number(
-            None if window.end is None else window.end - window.begin, 4
-        ),
-    }
-    events: _Cells[ContactEvent] = {
-        text("time (s)"): lambda event: _number(event.time, 4),
-        text("phase"): lambda event: event.phase,
-        text("benches"): lambda event: _pair(event.benches),
-        text("points (m)"): lambda event: (
-            " ".join(_vector(point, 3) for point in event.points) or _MISSING
-        ),
-        text("normal"): lambda event: _vector(event.normal, 3),
-        text("depth (mm)"): lambda event: _number(event.depth, 3, scale=1e3),
-        text("relative velocity (m/s)"): lambda event: _vector(event.relative_velocity, 3),
-        text("impulse (N s)"): lambda event: _vector(event.impulse, 4),
-    }
-    near = text(
-        "Small local minima of the distance between benches that are not neighbours, in the exact model."
-    )
-    times = text(
-        "Pairs of benches in contact in the engine, at ends of substeps; without an end: to the last one."
-    )
-    error = text(
-        "Distance of a bench's hole from the exact model's position, for the hole with the larger distance."
-    )
-    calls = text("Collision callbacks of the engine, in the order in which they came: {count}.")
     log = summary.run.events
     return [
-        Section(
-            "first-contact",
-            text("First contact"),
-            _comparison(summary),
-            _contact(summary.run.first_contact),
-        ),
-        Section(
-            "near-misses",
-            text("Near misses"),
-            near,
-            _table(summary.near_misses or (), near_misses, left=(1,)),
-        ),
-        Section(
-            "windows", text("Contact windows"), times, _table(log.windows(), windows, left=(0,))
-        ),
-        Section("drift", text("Position error"), error, {"": Table(_drift(summary))}),
-        Section(
-            "events", text("Events"), calls.format(count=len(log)), _table(log, events, left=(1, 2))
-        ),
+        _first_contact(summary),
+        _near_misses(summary.near_misses or ()),
+        _windows(log.windows()),
+        _position_errors(summary),
+        _events(log),
         provenance(summary),
     ]
 
 
 def provenance(summary: Summary) -> Section:
-    """Scenario, settings and versions of the run, under their names in Python and with all digits."""
-    scenario = summary.scenario | {"speed": _speed(summary.scenario["speed"])}
-    versions = json_values(summary.run.versions) | {text("report format"): VERSION}
-    groups = {
-        text("Scenario"): scenario,
-        text("Settings"): summary.settings,
-        text("Versions"): versions,
-    }
-    tables = {
-        title: Table(
-            [(name, _value(value) + _UNITS.get(name, "")) for name, value in group.items()]
-        )
-        for title, group in groups.items()
-        if group
-    }
+    """Scenario, settings and versions of the run, by their names in Python, with all digits."""
+    scenario = dict(summary.scenario)
+    scenario["speed"] = _speed(scenario["speed"])
+    versions = json_values(summary.run.versions)
+    versions[text("report format")] = VERSION
+    groups = {"Scenario": scenario, "Settings": summary.settings, "Versions": versions}
+
+    tables = {}
+    for title, group in groups.items():
+        rows = []
+        for name, value in group.items():
+            rows.append((name, _value(value) + _UNITS.get(name, "")))
+        if rows:
+            tables[text(title)] = Table(rows)
     return Section("provenance", text("Provenance"), "", tables)
+
+
+def _first_contact(summary: Summary) -> Section:
+    """First contact of the run, and its comparison with the exact model."""
+    contact = summary.run.first_contact
+    tables = {}
+    if contact is not None:
+        rows = [
+            (text("Benches that touch"), _pair(contact.benches)),
+            (text("Time"), _number(contact.time, 6, " s")),
+            (text("Point"), f"{_vector(contact.point, 6)} m"),
+            (text("Normal, from the first to the second"), _vector(contact.normal, 6)),
+        ]
+        # Only the engine detects contacts by an overlap.
+        if contact.depth:
+            detected = _number(contact.raw_time, 6, " s")
+            rows.append((text("Detected at the end of a substep"), detected))
+            rows.append((text("Depth when detected"), _size(contact.depth)))
+        tables[""] = Table(rows)
+    return Section("first-contact", text("First contact"), _comparison(summary), tables)
+
+
+def _near_misses(misses: Sequence[NearMiss]) -> Section:
+    """Near misses of the exact model."""
+    note = text(
+        "Small local minima of the distance between benches that are not neighbours, "
+        "in the exact model."
+    )
+    rows = []
+    for miss in misses[:_MAX_ROWS]:
+        gap = _number(miss.gap, 3, scale=1e3)
+        rows.append([_number(miss.time, 4), _pair(miss.benches), gap])
+    heads = ("time (s)", "benches", "gap (mm)")
+    tables = _cut(heads, rows, len(misses), left=(1,))
+    return Section("near-misses", text("Near misses"), note, tables)
+
+
+def _windows(windows: Sequence[ContactWindow]) -> Section:
+    """Time intervals in which pairs of benches touch in the engine."""
+    note = text(
+        "Pairs of benches in contact in the engine, at ends of substeps; "
+        "without an end: to the last one."
+    )
+    rows = []
+    for window in windows[:_MAX_ROWS]:
+        duration = None if window.end is None else window.end - window.begin
+        row = [_pair(window.benches)]
+        for time in (window.begin, window.end, duration):
+            row.append(_number(time, 4))
+        rows.append(row)
+    heads = ("benches", "from (s)", "to (s)", "for (s)")
+    tables = _cut(heads, rows, len(windows), left=(0,))
+    return Section("windows", text("Contact windows"), note, tables)
+
+
+def _events(log: ContactLog) -> Section:
+    """Collision callbacks of the engine."""
+    note = text("Collision callbacks of the engine, in the order in which they came: {count}.")
+    rows = []
+    for event in log[:_MAX_ROWS]:
+        points = " ".join(_vector(point, 3) for point in event.points)
+        row = [_number(event.time, 4), event.phase, _pair(event.benches)]
+        row += [points or _MISSING, _vector(event.normal, 3)]
+        row.append(_number(event.depth, 3, scale=1e3))
+        row += [_vector(event.relative_velocity, 3), _vector(event.impulse, 4)]
+        rows.append(row)
+    tables = _cut(_EVENT_HEADS, rows, len(log), left=(1, 2))
+    return Section("events", text("Events"), note.format(count=len(log)), tables)
 
 
 def _pair(benches: Sequence[int]) -> str:
@@ -192,83 +230,68 @@ def _pair(benches: Sequence[int]) -> str:
 
 def _comparison(summary: Summary) -> str:
     """Comparison of the run's first contact, or its absence, with the exact model."""
-    run, exact = summary.run, summary.exact
-    notes = [] if run.first_contact else [text("None in this run.")]
+    run = summary.run
+    exact = summary.exact
+    contact = run.first_contact
+    true_contact = summary.exact_contact
+    notes = [] if contact else [text("None in this run.")]
     if run.free_from == 1:
         notes.append(text("No guide kept this dragon on its path."))
     elif run.free_from is not None:
         free = text("No guide kept the benches from {bench} to the tail on the path.")
         notes.append(free.format(bench=run.free_from))
-    if error := _time_error(summary):
+    elif run.guide and contact and true_contact and contact.benches == true_contact.benches:
+        # All benches were guided to the same contact, so that its time is an error of the engine.
+        late = 1e3 * (contact.time - true_contact.time)
+        template = text("{error} ms early") if late < 0 else text("{error} ms late")
+        error = template.format(error=_number(abs(late), 3))
         same = text("The same benches touch in the exact model; the contact of the run is {error}.")
         notes.append(same.format(error=error))
-    if exact is not None and (run.player != "exact" or not run.first_contact):
+
+    if exact is not None and (run.player != "exact" or not contact):
         result = contact_text(exact.status, exact.benches, exact.point, exact.time, 9)
         notes.append(text("The exact model: {result}.").format(result=result))
     return " ".join(notes)
 
 
-def _time_error(summary: Summary) -> str | None:
-    """Time of the run's first contact relative to the exact one; None if the benches differ or are not all guided."""
-    run = summary.run
-    first = run.first_contact
-    exact = summary.exact_contact
-    guided = run.guide is not None and run.free_from is None
-    if first is None or exact is None or first.benches != exact.benches or not guided:
-        return None
-    error = 1e3 * (first.time - exact.time)
-    template = text("{error} ms early") if error < 0 else text("{error} ms late")
-    return template.format(error=_number(abs(error), 3))
-
-
-def _contact(contact: Contact | None) -> dict[str, Table]:
-    """Table on the first contact of the run."""
-    if contact is None:
-        return {}
-    rows = [
-        (text("Benches that touch"), _pair(contact.benches)),
-        (text("Time"), _number(contact.time, 6, " s")),
-        (text("Point"), f"{_vector(contact.point, 6)} m"),
-        (text("Normal, from the first to the second"), _vector(contact.normal, 6)),
-        (text("Detected at the end of a substep"), _number(contact.raw_time, 6, " s")),
-        (text("Depth when detected"), _size(contact.depth)),
-    ]
-    # Only the engine detects contacts by an overlap.
-    return {"": Table(rows if contact.depth else rows[:4])}
-
-
-def _table(
-    entries: Sequence[_Entry], cells: _Cells[_Entry], left: Sequence[int]
-) -> dict[str, Table]:
-    """Table with a row for each entry, up to `_MAX_ROWS`, and a column for each of `cells`."""
-    rows, note = [[cell(entry) for cell in cells.values()] for entry in entries[:_MAX_ROWS]], ""
-    if len(entries) > _MAX_ROWS:
+def _cut(heads: _Row, rows: Sequence[_Row], count: int, left: Sequence[int]) -> dict[str, Table]:
+    """Table of the first rows of `count`, whose headings are translated here."""
+    note = ""
+    if count > len(rows):
         template = text("These are the first {shown} of {count} rows; all are in the JSON report.")
-        note = template.format(shown=_MAX_ROWS, count=len(entries))
-    return {"": Table(rows, [*cells], left, note)}
+        note = template.format(shown=len(rows), count=count)
+    return {"": Table(rows, [text(head) for head in heads], left, note)}
 
 
-def _drift(summary: Summary) -> list[_Row]:
-    """Largest position errors with bench and time."""
-    if summary.run.player == "exact":
-        return []
+def _position_errors(summary: Summary) -> Section:
+    """Largest position errors with bench and time; a run of the exact model has none."""
+    note = text(
+        "Distance of a bench's hole from the exact model's position, "
+        "for the hole with the larger distance."
+    )
     drift = summary.drift
     first = text("Largest of the first {count} benches").format(count=drift["head_benches"])
-    rows: list[_Row] = []
-    for label, name in ((first, "head"), (text("Largest of any bench"), "max")):
-        value, peak = _size(drift[name]), drift[f"{name}_at"]
+    labels = {"head": first, "max": text("Largest of any bench")}
+
+    rows = []
+    for name, label in labels.items() if summary.run.player != "exact" else ():
+        error = _size(drift[name])
+        peak = drift[f"{name}_at"]
         if peak is not None:
-            where = {"bench": peak["bench"], "time": _number(peak["time"], 3, " s")}
-            value = text("{error} (bench {bench} at {time})").format(error=value, **where)
-        rows.append((label, value))
-    return rows
+            time = _number(peak["time"], 3, " s")
+            template = text("{error} (bench {bench} at {time})")
+            error = template.format(error=error, bench=peak["bench"], time=time)
+        rows.append((label, error))
+    return Section("drift", text("Position error"), note, {"": Table(rows)})
 
 
 def _value(value: Any) -> str:
     """A JSON value as text; numbers have all their digits."""
     if isinstance(value, list):
         return str(value)[1:-1]
-    shown = _MISSING if value is None else str(value)
+    if value is None:
+        return _MISSING
+    shown = str(value)
     return shown.removesuffix(".0") if isinstance(value, float) else shown
 
 
@@ -276,7 +299,9 @@ def _speed(speed: float | list[list[float]]) -> str:
     """Speed of the head, or its range."""
     if not isinstance(speed, list):
         return f"{_value(speed)} m/s"
-    least, most = (_value(bound(entry[1] for entry in speed)) for bound in (min, max))
+    speeds = [entry[1] for entry in speed]
+    least = _value(min(speeds))
+    most = _value(max(speeds))
     return text("{least} to {most} m/s").format(least=least, most=most)
 
 
@@ -285,7 +310,8 @@ def _number(value: float | None, decimals: int, unit: str = "", *, scale: float 
     if value is None or not math.isfinite(value):
         return _MISSING
     # Adding 0 turns the -0.0 of a rounded tiny number into 0.0.
-    return f"{round(value * scale, decimals) + 0.0:.{decimals}f}{unit}"
+    rounded = round(value * scale, decimals) + 0.0
+    return f"{rounded:.{decimals}f}{unit}"
 
 
 def _size(value: float) -> str:
@@ -295,8 +321,7 @@ def _size(value: float) -> str:
 
 def _vector(value: Sequence[float] | None, decimals: int) -> str:
     """A point or a direction as `(x, y)`."""
-    return (
-        _MISSING
-        if value is None
-        else "(" + ", ".join(_number(part, decimals) for part in value) + ")"
-    )
+    if value is None:
+        return _MISSING
+    parts = ", ".join(_number(part, decimals) for part in value)
+    return f"({parts})"

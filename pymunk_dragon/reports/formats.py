@@ -1,4 +1,7 @@
-"""Formats of reports: a function from a summary to the text of a file, and one entry in `FORMATS`."""
+"""Formats of reports: each is a function from a summary to the text of a file.
+
+`FORMATS` has an entry for each of them.
+"""
 
 from __future__ import annotations
 
@@ -27,6 +30,7 @@ from pymunk_dragon.web.html import asset, data_address, filled
 
 # Characters with a meaning in Markdown, embedded HTML or GitHub's dialect.
 _MARKUP = re.compile(r"[\\`*_{}\[\]<>|&~$#@!]")
+# Names of columns with the units of their values.
 _CSV_COLUMNS = [
     "time_s",
     "what",
@@ -36,21 +40,23 @@ _CSV_COLUMNS = [
     "point1_y_m",
     "point2_x_m",
     "point2_y_m",
-]
-_CSV_COLUMNS += [
     "normal_x",
     "normal_y",
     "depth_m",
     "relative_velocity_x_m_s",
     "relative_velocity_y_m_s",
+    "impulse_x_N_s",
+    "impulse_y_N_s",
+    "gap_m",
 ]
-_CSV_COLUMNS += ["impulse_x_N_s", "impulse_y_N_s", "gap_m"]
 # Pixels: width and height of a still, twice the displayed size for screens with a pixel ratio of
 # two.
 _STILL_SIZE = 880
-# m: least width of the close-up around the head, and its ratio to the distance of the contact from
-# the head: that of an unguided run may be far away.
-_CLOSE_SPAN, _CLOSE_MARGIN = 6.0, 3.0
+# m: least width of the close-up around the head.
+_CLOSE_SPAN = 6.0
+# Least width of the close-up over the distance of the contact from the head, where an unguided run
+# may have its contact far from the head.
+_CLOSE_MARGIN = 3.0
 
 
 def report(run: Run, path: str | Path) -> None:
@@ -85,13 +91,19 @@ def report(run: Run, path: str | Path) -> None:
 
 
 def _csv_text(summary: Summary) -> str:
-    """Near misses, first contacts and callbacks by time as CSV (RFC 4180): SI units, a column for each coordinate."""
+    """Near misses, first contacts and callbacks by time as CSV (RFC 4180), in SI units.
+
+    Each coordinate has a column.
+    """
     values = summary.to_dict()
     found = [("near_miss", miss) for miss in values["near_misses"] or ()]
-    found += [("exact_contact", values["exact"])] if summary.exact_contact else []
-    found += [("first_contact", values["first_contact"])] if summary.run.first_contact else []
+    if summary.exact_contact:
+        found.append(("exact_contact", values["exact"]))
+    if summary.run.first_contact:
+        found.append(("first_contact", values["first_contact"]))
     found += [(event["phase"], event) for event in values["events"]]
     found.sort(key=lambda entry: entry[1]["time"])
+
     content = io.StringIO(newline="")
     writer = csv.writer(content)
     writer.writerow(_CSV_COLUMNS)
@@ -101,10 +113,8 @@ def _csv_text(summary: Summary) -> str:
 
 def _markdown(summary: Summary) -> str:
     """Report as Markdown with GitHub's tables."""
-    parts = [
-        f"# {_escaped(document.headline(summary))}",
-        _escaped(document.subtitle(summary) + text(".")),
-    ]
+    title = _escaped(document.headline(summary))
+    parts = [f"# {title}", _escaped(document.subtitle(summary) + text("."))]
     for section in document.sections(summary):
         parts += [f"## {section.title}", _escaped(section.note)]
         for heading, table in section.tables.items():
@@ -114,15 +124,17 @@ def _markdown(summary: Summary) -> str:
 
 def _html(summary: Summary) -> str:
     """Report as one HTML document without network access or scripts; all values are escaped."""
-    pictures = [(caption, data_address(png, "image/png")) for caption, png in _stills(summary.run)]
-    shown = {
-        "document": document,
-        "summary": summary,
-        "pictures": pictures,
-        "chart": _chart(summary.run),
-    }
-    shown["colours"] = asset("pymunk_dragon.web", "assets/colours.css")
-    return filled(__package__, "report.html.j2", language=language(), text=text, **shown)
+    return filled(
+        __package__,
+        "report.html.j2",
+        language=language(),
+        text=text,
+        document=document,
+        summary=summary,
+        pictures=_pictures(summary.run),
+        chart=_chart(summary.run),
+        colours=asset("pymunk_dragon.web", "assets/colours.css"),
+    )
 
 
 # Registry of the formats by file ending.
@@ -137,55 +149,72 @@ FORMATS: dict[str, Callable[[Summary], str]] = {
 def _csv_row(what: str, entry: Mapping[str, Any]) -> list[Any]:
     """Cells of an entry, which lacks some of the values; the engine reports at most two points."""
     none = (None, None)
-    points = [*entry.get("points", [entry.get("point", none)]), none, none][:2]
-    normal, velocity, impulse = (
-        entry.get(name) or none for name in ("normal", "relative_velocity", "impulse")
-    )
-    first = (entry["time"], what, *entry["benches"], *points[0], *points[1])
-    return [*first, *normal, entry.get("depth"), *velocity, *impulse, entry.get("gap")]
+    points: list[Any] = entry.get("points", [entry.get("point", none)])
+    first, second, *_ = [*points, none, none]
+    row = [entry["time"], what, *entry["benches"], *first, *second]
+    row += entry.get("normal") or none
+    row.append(entry.get("depth"))
+    row += entry.get("relative_velocity") or none
+    row += entry.get("impulse") or none
+    row.append(entry.get("gap"))
+    return row
 
 
 def _markdown_table(heading: str, table: document.Table) -> list[str]:
     """Blocks of a table: its heading, its lines, and its note."""
     if not table.rows:
         return [text("None.")]
-    # Markdown requires a header row; that of names and values is empty.
-    lines = ["| " + " | ".join(map(_escaped, row)) + " |" for row in (table.heads, *table.rows)]
-    aligned = ("---" if column in table.left else "---:" for column in range(len(table.heads)))
-    lines.insert(1, f"| {' | '.join(aligned)} |")
+    # Markdown requires a header row, which is empty above names and values, and below it a row with
+    # the alignment of each column.
+    columns = range(len(table.heads))
+    alignment = ["---" if column in table.left else "---:" for column in columns]
+    lines = []
+    for row in (table.heads, alignment, *table.rows):
+        cells = " | ".join(map(_escaped, row))
+        lines.append(f"| {cells} |")
     return [heading and f"### {heading}", "\n".join(lines), table.note]
 
 
-def _escaped(text: str) -> str:
-    """`text` on one line, with Markdown characters escaped by backslashes."""
-    return _MARKUP.sub(r"\\\g<0>", " ".join(text.split()))
+def _escaped(content: str) -> str:
+    """`content` on one line, with Markdown characters escaped by backslashes."""
+    return _MARKUP.sub(r"\\\g<0>", " ".join(content.split()))
 
 
-def _stills(run: Run) -> list[tuple[str, bytes]]:
-    """Captions and PNG data of the head and of the whole dragon, at the first contact or at the end."""
-    first, (begin, time), span = run.first_contact, run.times[[0, -1]].tolist(), _CLOSE_SPAN
-    if first is not None:
-        time = min(max(first.time, begin), time)
-        span = max(
-            span, _CLOSE_MARGIN * float(np.abs(first.point - run.poses_at(time)[0, 0, :2]).max())
-        )
+def _pictures(run: Run) -> list[tuple[str, str]]:
+    """Captions and addresses of pictures of the head and of the whole dragon.
+
+    They show the first contact, or else the end of the run.
+    """
+    contact = run.first_contact
+    begin, time = run.times[[0, -1]].tolist()
+    span = _CLOSE_SPAN
+    if contact is not None:
+        time = min(max(contact.time, begin), time)
+        head = run.poses_at(time)[0, 0, :2]
+        distance = float(np.abs(contact.point - head).max())
+        span = max(span, _CLOSE_MARGIN * distance)
+
     cameras = {
         text("The head at {time} s"): Camera(follow="head", span=span),
         text("The whole dragon at {time} s"): Camera(),
     }
-    return [
-        (
-            caption.format(time=f"{time:.2f}"),
-            still_png(run, time, Film(size=_STILL_SIZE, camera=camera)),
-        )
-        for caption, camera in cameras.items()
-    ]
+    pictures = []
+    for caption, camera in cameras.items():
+        png = still_png(run, time, Film(size=_STILL_SIZE, camera=camera))
+        address = data_address(png, "image/png")
+        pictures.append((caption.format(time=f"{time:.2f}"), address))
+    return pictures
 
 
 def _chart(run: Run) -> str | None:
-    """Address of the figure of the position errors as SVG; None without matplotlib or without errors."""
+    """Address of the figure of the position errors as SVG.
+
+    None if matplotlib is not installed or the run has no errors.
+    """
+    needed = ["matplotlib"]
     # Characters of other languages need a font.
-    needed = ["matplotlib"] if language() == "en" else ["matplotlib", "zhplot"]
+    if language() != "en":
+        needed.append("zhplot")
     if not all(map(is_installed, needed)):
         return None
 

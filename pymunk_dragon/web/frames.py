@@ -27,15 +27,20 @@ def packed(
     """
     colours: dict[Any, int] = {}
     numbers: list[float] = []
+
     for call in calls:
         fill = colours.setdefault(call.fill, len(colours))
-        outline = -1 if call.outline is None else colours.setdefault(call.outline, len(colours))
+        outline = -1
+        if call.outline is not None:
+            outline = colours.setdefault(call.outline, len(colours))
         held = 0 if call.shape is None else grip(call.shape)
-        numbers += [_KINDS[call.name], len(call.points), call.radius, call.angle]
-        numbers += [fill, outline, held]
+        numbers += [_KINDS[call.name], len(call.points)]
+        numbers += [call.radius, call.angle, fill, outline, held]
         for point in call.points:
             numbers.extend(point)
-    return np.array(numbers, dtype=float), [[*map(float, colour)] for colour in colours]
+
+    components = [[*map(float, colour)] for colour in colours]
+    return np.array(numbers, dtype=float), components
 
 
 def in_binary(header: Mapping[str, Any], arrays: Mapping[str, Array]) -> bytes:

@@ -33,8 +33,9 @@ def embedded_json(value: Any) -> str:
 def filled(package: str, template: str, **values: Any) -> str:
     """A Jinja2 template among a package's files, rendered with escaped `values`."""
     jinja2 = library("jinja2")
+    loader = jinja2.FunctionLoader(lambda name: asset(package, name))
     environment = jinja2.Environment(
-        loader=jinja2.FunctionLoader(lambda name: asset(package, name)),
+        loader=loader,
         autoescape=True,
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
@@ -48,12 +49,15 @@ def data_address(content: bytes, media_type: str) -> str:
     return f"data:{media_type};base64,{b64encode(content).decode('ascii')}"
 
 
-def policy(style: str, script: str, pictures: str = "data:") -> str:
-    """Content security policy with this style, this script, and addresses of `pictures`."""
-    style_hash, script_hash = (
-        b64encode(sha256(text.encode()).digest()).decode("ascii") for text in (style, script)
-    )
+def policy(style: str, script: str) -> str:
+    """Content security policy with this style, this script, and pictures in `data:` addresses."""
     return (
-        f"default-src 'none'; script-src 'sha256-{script_hash}'; style-src 'sha256-{style_hash}'; "
-        f"img-src {pictures}; base-uri 'none'; form-action 'none'"
+        f"default-src 'none'; script-src {_hashed(script)}; style-src {_hashed(style)}; "
+        "img-src data:; base-uri 'none'; form-action 'none'"
     )
+
+
+def _hashed(text: str) -> str:
+    """Source of a policy that allows an element with this text."""
+    digest = b64encode(sha256(text.encode()).digest())
+    return f"'sha256-{digest.decode('ascii')}'"

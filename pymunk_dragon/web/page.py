@@ -10,7 +10,7 @@ from html import escape
 from pymunk_dragon.drawing.palette import COLOURS, Palette
 from pymunk_dragon.web.html import asset, policy, substituted
 
-# Parts of pages that stand in the place of {{name}}.
+# Parts of pages' HTML that stand in the place of {{name}}.
 _PARTS = ("zoom", "help_tools", "help")
 # What `<svg>` in the pages' HTML stands for: an icon of a control, which has a name.
 _ICON = '<svg viewBox="0 0 20 20" aria-hidden="true">'
@@ -53,16 +53,16 @@ def document(
     ----------
     page : str
         The group of its own scripts: "player" or "live".
-    body, style : str
-        The page's own HTML and style.
+    body : str
+        The page's own HTML.
+    style : str
+        Style of the page's own parts.
     connections : str
         Directives that are added to the policy.
     **values : str
         What stands in the place of {{name}} in the HTML.
     """
-    parts = {name: _shared(f"{name}.html") for name in _PARTS}
-    parts["zoom"] = parts["zoom"].replace("<svg>", _ICON)
-
+    parts = {name: _shared(f"{name}.html").replace("<svg>", _ICON) for name in _PARTS}
     html = _shared("head.html") + body + _shared("tail.html")
     html = html.replace("<svg>", _ICON)
 

@@ -9,16 +9,17 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from pymunk_dragon._checks import word
 from pymunk_dragon._language import LANGUAGES
 
 FOLDER = Path(__file__).parent.parent
-# A line that begins a cell of a percent file, and the options behind it; a heading of Markdown.
+# A line that begins a cell of a percent file.
 CELL = re.compile(r"^# %%(.*)\n", re.MULTILINE)
+# An option in such a line.
 OPTION = re.compile(r'(\w+)=("[^"]*"|\S+)')
+# A heading of Markdown.
 HEADING = re.compile(r"^##? (.+)\n", re.MULTILINE)
 
 
@@ -82,15 +83,22 @@ class Lesson:
     def read(cls, path: Path) -> Lesson:
         """The lesson in a file."""
         _, *parts = CELL.split(path.read_text(encoding="utf-8"))
-        cells = list(zip(parts[::2], parts[1::2], strict=True))
-        markdown = "".join(
-            re.sub("^# ?", "", text, flags=re.M) for mark, text in cells if "[markdown]" in mark
-        )
-        code = tuple(text.strip("\n") for mark, text in cells if "[markdown]" not in mark)
-        options = {name: json.loads(value) for name, value in OPTION.findall(parts[0])}
+        markdown = ""
+        cells = []
+        for mark, content in zip(parts[::2], parts[1::2], strict=True):
+            if "[markdown]" in mark:
+                markdown += re.sub("^# ?", "", content, flags=re.MULTILINE)
+            else:
+                cells.append(content.strip("\n"))
+
         _, title, question, *more = HEADING.split(markdown)
-        headings = {name: text.strip() for name, text in zip(more[::2], more[1::2], strict=True)}
-        return cls(path, {"Title": title, "Question": question.strip(), **headings}, code, options)
+        texts = {"Title": title, "Question": question.strip()}
+        for heading, text in zip(more[::2], more[1::2], strict=True):
+            texts[heading] = text.strip()
+
+        written = OPTION.findall(parts[0])
+        options = {name: json.loads(value) for name, value in written}
+        return cls(path, texts, tuple(cells), options)
 
     @property
     def name(self) -> str:
@@ -111,10 +119,14 @@ class Lesson:
         """What the first cell builds: its function, its texts on the page, and how it is played."""
         found: dict[str, Any] = {}
         exec(self.cells[0], found)
-        scene: dict[str, Any] = {"build": found["build"], "field": tuple(self.options["view"])}
-        scene |= {"name": self.options["scene"], "title": self.texts["Title"], "lesson": self.name}
-        scene |= found["LIVE"]
-        return scene
+        return {
+            "build": found["build"],
+            "field": tuple(self.options["view"]),
+            "name": self.options["scene"],
+            "title": self.texts["Title"],
+            "lesson": self.name,
+            **found["LIVE"],
+        }
 
     def sections(self, language: str = "en") -> Mapping[str, str]:
         """The Markdown of each section; one without a translation is English."""
@@ -124,21 +136,23 @@ class Lesson:
 
     def guesses(self, language: str = "en") -> list[Block]:
         """The questions that the class guesses: those in "Answer" with a list below."""
-        return [block for block in blocks(self.sections(language).get("Answer", "")) if block.items]
+        answer = self.sections(language).get("Answer", "")
+        return [block for block in blocks(answer) if block.items]
 
     def guess(self, language: str = "en") -> str:
         """The section "Guess", the questions and their choices, without what comes of them."""
-        questions = ["\n- ".join([each.text, *each.choices]) for each in self.guesses(language)]
-        return "\n\n".join([self.sections(language).get("Guess", ""), *questions])
+        parts = [self.sections(language).get("Guess", "")]
+        for question in self.guesses(language):
+            parts.append("\n- ".join([question.text, *question.choices]))
+        return "\n\n".join(parts)
 
 
 def blocks(markdown: str) -> list[Block]:
     """Paragraphs and lists, each text on one line."""
     found = []
     for block in markdown.split("\n\n"):
-        text, *items = (
-            " ".join(part.split()) for part in re.split("^- ", block, flags=re.MULTILINE)
-        )
+        parts = re.split("^- ", block, flags=re.MULTILINE)
+        text, *items = (" ".join(part.split()) for part in parts)
         found.append(Block(text, tuple(items)))
     return found
 
@@ -148,14 +162,15 @@ def lessons() -> Mapping[str, Lesson]:
     """The lessons of the package by name, in their order."""
     found = [Lesson.read(path) for path in FOLDER.glob("[!_]*.py")]
     found.sort(key=lambda lesson: lesson.options["order"])
-    return MappingProxyType({lesson.name: lesson for lesson in found})
+    return {lesson.name: lesson for lesson in found}
 
 
 @cache
 def _chinese() -> dict[str, dict[str, str]]:
     """Sections of each lesson in Chinese; a line that is no list item is a paragraph."""
-    found = tomllib.loads((FOLDER / "zh.toml").read_text(encoding="utf-8"))["lessons"]
-    return {
-        lesson: {name: re.sub(r"\n(?!- )", "\n\n", text) for name, text in sections.items()}
-        for lesson, sections in found.items()
-    }
+    file = FOLDER / "zh.toml"
+    found: dict[str, dict[str, str]] = tomllib.loads(file.read_text(encoding="utf-8"))["lessons"]
+    for sections in found.values():
+        for name, text in sections.items():
+            sections[name] = re.sub(r"\n(?!- )", "\n\n", text)
+    return found

@@ -37,10 +37,9 @@ def _part(part: str) -> str:
         return f"<code>{escape(part[1:-1])}</code>"
     if part.startswith("$"):
         _, formula, stops = part.split("$")
-        # With a thin space behind the name of a function, which browsers leave out.
-        made = FUNCTION.sub(
-            r'\1<mspace width="0.167em" />', library("latex2mathml.converter").convert(formula)
-        )
+        made = library("latex2mathml.converter").convert(formula)
+        # Browsers leave out the thin space behind the name of a function, which is added here.
+        made = FUNCTION.sub(r'\1<mspace width="0.167em" />', made)
         return f'<span class="formula">{made}{stops}</span>'
     return re.sub(r"(?<=\d) (?=\w)", "\u00a0", escape(part, quote=False))
 

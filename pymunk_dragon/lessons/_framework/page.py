@@ -27,6 +27,7 @@ MEDIA_TYPES = {
     ".py": "text/x-python",
     ".ipynb": "application/x-ipynb+json",
 }
+# Styles of the page.
 STYLES = ("assets/lessons.css", "assets/lab.css")
 
 
@@ -59,9 +60,12 @@ def write_lessons(
 
     Raises
     ------
-    ParameterError, OutputError, MissingExtraError
-        If the file cannot be written, or the language is unknown; if writing fails; if a library is
-        not installed.
+    ParameterError
+        If the file cannot be written, or the language is unknown.
+    OutputError
+        If writing fails.
+    MissingExtraError
+        If a library is not installed.
 
     Examples
     --------
@@ -72,6 +76,7 @@ def write_lessons(
     word("language", language, LANGUAGES)
     function("progress", progress)
     destination = check_destination(path, endings(lessons))
+
     ending = destination.suffix.lower()
     if ending == PROGRAM:
         written = lessons[0].source
@@ -79,6 +84,7 @@ def write_lessons(
         written = make_notebook(lessons[0], language)
     else:
         written = run_page(lessons, language, progress)
+
     with written_in_place(destination) as draft:
         draft.write_bytes(written.encode("utf-8"))
 
@@ -90,7 +96,7 @@ def run_page(
     *,
     live: bool = False,
 ) -> str:
-    """Run lessons, and return their page; see `write_lessons` and `make_page`."""
+    """Page of lessons that are run here; see `write_lessons` and `make_page`."""
     # Before the lessons are run.
     for name in ("pygments", "nbformat", "latex2mathml", "jinja2"):
         library(name)
@@ -106,7 +112,8 @@ def make_page(recordings: Sequence[Recording], language: str = "en", *, live: bo
     stages = [found.lesson.path.with_suffix(".js") for found in recordings]
     own = [stage.read_text(encoding="utf-8") for stage in stages if stage.exists()]
     script = "\n".join([*scripts("lab"), *own, *scripts("lessons")])
-    style = "\n".join([colour_variables(), *(asset(__package__, name) for name in STYLES)])
+    styles = (asset(__package__, name) for name in STYLES)
+    style = "\n".join([colour_variables(), *styles])
     return filled(
         __package__,
         "assets/lessons.html.j2",
@@ -135,6 +142,9 @@ def words(english: str) -> dict[str, str]:
 def _values(recording: Recording, live: bool) -> dict[str, Any]:
     """Values of a lesson in the template."""
     lesson = recording.lesson
+    notebooks = {}
+    for each in LANGUAGES:
+        notebooks[each] = _address(make_notebook(lesson, each).encode(), NOTEBOOK)
     return {
         "file": lesson,
         "stage": _stage(lesson, live),
@@ -142,9 +152,7 @@ def _values(recording: Recording, live: bool) -> dict[str, Any]:
         "picture": _picture(recording),
         "code": _highlighted("\n\n".join(lesson.cells)),
         "program": _address(lesson.source.encode(), PROGRAM),
-        "notebooks": {
-            each: _address(make_notebook(lesson, each).encode(), NOTEBOOK) for each in LANGUAGES
-        },
+        "notebooks": notebooks,
     }
 
 
@@ -166,16 +174,16 @@ def _spiral() -> str:
     import numpy as np
 
     angle = np.linspace(0, 32 * np.pi, 961)
-    points = 50 + 48 * angle / angle[-1] * [np.cos(angle), -np.sin(angle)]
+    radius = 48 * angle / angle[-1]
+    points = 50 + radius * [np.cos(angle), -np.sin(angle)]
     return " ".join(f"{x:.1f},{y:.1f}" for x, y in points.T)
 
 
 def _highlighted(code: str) -> str:
     """Python code as HTML with a class for each kind of token."""
     formatter = library("pygments.formatters").HtmlFormatter(nowrap=True)
-    return str(
-        library("pygments").highlight(code, library("pygments.lexers").PythonLexer(), formatter)
-    )
+    lexer = library("pygments.lexers").PythonLexer()
+    return str(library("pygments").highlight(code, lexer, formatter))
 
 
 def _address(content: bytes, ending: str) -> str:

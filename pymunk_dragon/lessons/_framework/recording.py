@@ -10,7 +10,6 @@ import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from pymunk_dragon._checks import instance
 from pymunk_dragon._extras import FEATURES, is_installed
@@ -35,20 +34,22 @@ def run(lesson: Lesson, folder: Path) -> Iterator[str]:
     # Not by its folder on the path: a module of Python could have the name of a lesson.
     command = [sys.executable, "-P", "-u", str(lesson.path)]
     environment = os.environ | {"MPLBACKEND": "agg", "PYTHONIOENCODING": "utf-8"}
-    options: dict[str, Any] = {
-        "cwd": folder,
-        "env": environment,
-        "encoding": "utf-8",
-        "stdin": subprocess.DEVNULL,
-    }
-    options |= {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
-    with subprocess.Popen(command, **options) as process:
+    with subprocess.Popen(
+        command,
+        cwd=folder,
+        env=environment,
+        encoding="utf-8",
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    ) as process:
         assert process.stdout is not None
         try:
             yield from process.stdout
             _, errors = process.communicate()
         finally:
             process.kill()
+
     if process.returncode:
         missing = MISSING.search(errors)
         if missing and missing[1] in FEATURES and not is_installed(missing[1]):
@@ -68,7 +69,7 @@ def picture(lesson: Lesson, folder: Path) -> Path:
 
 
 def record(lesson: Lesson) -> Recording:
-    """Run a lesson, and return what its program printed and its picture.
+    """What the program of a lesson prints, and its picture; the lesson is run.
 
     Raises
     ------

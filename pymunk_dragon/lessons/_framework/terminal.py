@@ -60,11 +60,14 @@ def play(lesson: Lesson, save: str | Path | None = None, *, language: str = "en"
     with in_language(language):
         _print_section(texts["Title"], texts["Question"])
         _print_section(text("Guess"), lesson.guess(language))
+
         for line in run(lesson, folder):
             print(line, end="", flush=True)
         _print_section(f"\n{text('Picture')}", str(picture(lesson, folder)))
+
         for name in ("Answer", "Check", "Change"):
             _print_section(text(name), texts.get(name, ""))
+
         if scene := lesson.options.get("scene"):
             command = f"demo {lesson.name} --live" if lesson.builds_scene else f"live {scene}"
             _print_section(text("Touch it in a browser"), f"pymunk-dragon {command}{option}")
