@@ -152,16 +152,16 @@ def gallery_text(texts: Mapping[str, str], commands: Mapping[str, str]) -> str:
     lines = [
         "# Gallery",
         "",
-        "Each picture leads to the text about it, and has its commands; where it has none, the text has its program.",
+        "Each picture leads to the text about it, and has its commands;"
+        " where it has none, the text has its program.",
         "",
+        '<div class="gallery">',
     ]
-    lines += ['<div class="gallery">']
     made = [name for name in commands if name.endswith(PICTURES)]
     for picture in (*made, *(name for name in captions if name not in made)):
         caption, page = captions[picture]
-        lines += [
-            f'<figure><a href="{page}"><img src="renders/{picture}" alt="" loading="lazy">{caption}</a>'
-        ]
+        image = f'<img src="renders/{picture}" alt="" loading="lazy">'
+        lines.append(f'<figure><a href="{page}">{image}{caption}</a>')
         if picture in made:
             arguments = commands[picture]
             runs = [
@@ -173,9 +173,8 @@ def gallery_text(texts: Mapping[str, str], commands: Mapping[str, str]) -> str:
                 *(f"{commands[name]} -o renders/{name}" for name in runs),
                 f"{arguments} -o renders/{picture}",
             ]
-            lines += [
-                f"<pre>{escape(chr(10).join(f'pymunk-dragon {each}' for each in shown))}</pre>"
-            ]
+            text = "\n".join(f"pymunk-dragon {each}" for each in shown)
+            lines.append(f"<pre>{escape(text)}</pre>")
         lines.append("</figure>")
     return "\n".join([*lines, "</div>"])
 
@@ -190,9 +189,8 @@ def lessons_text() -> str:
         [block] = blocks(lesson.sections()["Teacher"])
         needs, minutes, _ = re.split(r"\. (\d+) minutes: ", block.items[0])
         goal = block.items[1].removeprefix("Goal: ")
-        lines.append(
-            f"| [{name}](renders/lessons.html#{name}) | {needs} | {minutes} | {goal[0].upper()}{goal[1:]} |"
-        )
+        link = f"[{name}](renders/lessons.html#{name})"
+        lines.append(f"| {link} | {needs} | {minutes} | {goal[0].upper()}{goal[1:]} |")
     return re.sub(r"[$\\]", "", "\n".join(lines))
 
 

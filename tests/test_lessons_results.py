@@ -244,7 +244,7 @@ def drifts():
     return found
 
 
-def test_each_halving_of_the_steps_leaves_about_a_quarter_of_the_error_and_more_iterations_help_up_to_sixty():
+def test_half_the_step_leaves_a_quarter_of_the_error_and_iterations_help_up_to_sixty():
     found = np.array(list(drifts().values()))
     assert np.all(abs(found[:, 1:] / found[:, :-1] - 0.25) < 0.06)
     assert np.all(found[1:3] < found[:2] / 2)

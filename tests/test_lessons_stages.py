@@ -122,8 +122,10 @@ def test_gaps_of_rectangles_are_the_packages(page):
     poses = random.uniform([-1.5, -1.5, -4], [1.5, 1.5, 4], (1000, 2, 3))
     lengths, widths = random.uniform(0.1, 2, (2, 1000, 2))
     found = page.evaluate(
-        """([poses, lengths, widths]) => poses.map((pair, k) =>
-          new Benches({ lengths: lengths[k], widths: widths[k] }, posesFrom(2, (i) => pair[i])).gap(0, 1).gap)""",
+        """([poses, lengths, widths]) => poses.map((pair, k) => {
+          const sizes = { lengths: lengths[k], widths: widths[k] };
+          return new Benches(sizes, posesFrom(2, (i) => pair[i])).gap(0, 1).gap;
+        })""",
         [poses.tolist(), lengths.tolist(), widths.tolist()],
     )
     dragon = [pymunk_dragon.outlines(poses[k], lengths[k], widths[k]) for k in range(1000)]
@@ -139,7 +141,8 @@ def grid_of_page(page, march, time, cell):
           const dragon = makeDragon({ benches: count });
           const benches = benchesBetween(dragon, chainAt(new Spiral(0.55), dragon, head).points);
           const { cells, entries, pairs } = gridPairs(benches, grid);
-          return [[...cells].flatMap(([cell, filed]) => filed.map((i) => `${cell},${i}`)), entries, pairs];
+          const filed = [...cells].flatMap(([cell, each]) => each.map((i) => `${cell},${i}`));
+          return [filed, entries, pairs];
         }""",
         [march.head_start + time, march.dragon.benches, {"cell": cell, "origin": [-8.8, 8.8]}],
     )
@@ -529,9 +532,10 @@ def test_stages_speak_chinese_and_fit_on_a_phone(visit, stage):
             "[...document.querySelectorAll('.knob, canvas, .play')].every((each) => each.ariaLabel)"
         )
         # Another language keeps the experiment.
-        page.evaluate(
-            "document.documentElement.lang = 'en'; document.dispatchEvent(new Event('languagechange'))"
-        )
+        page.evaluate("""() => {
+          document.documentElement.lang = 'en';
+          document.dispatchEvent(new Event('languagechange'));
+        }""")
         assert readout(page) != chinese
         assert sorted(NUMBERS.findall(readout(page))) == sorted(NUMBERS.findall(chinese))
         assert found.complaints == []

@@ -39,11 +39,13 @@ PLACE = """([x, y]) => {
 # buttons of the view.
 IN_SIGHT = """() => {
   const { centre: [x, y], size: [width, height] } = live.scene.field;
-  const corners = [[-1, -1], [1, 1]].map(([a, b]) => live.view.toScreen(x + a * width / 2, y + b * height / 2));
-  const [left, right] = corners.map(([px]) => px), [top, bottom] = corners.map(([, py]) => py).sort((a, b) => a - b);
+  // The upper left corner and the lower right one: y points up in the scene, and down on the page.
+  const [left, top] = live.view.toScreen(x - width / 2, y + height / 2);
+  const [right, bottom] = live.view.toScreen(x + width / 2, y - height / 2);
   const box = (id) => document.getElementById(id).getBoundingClientRect();
   const field = box("field"), tools = box("toolbox"), zoom = box("zoom");
-  return left >= 0 && right <= field.width && bottom <= field.height && top >= tools.bottom - field.top
+  return left >= 0 && right <= field.width
+    && top >= tools.bottom - field.top && bottom <= field.height
     && (right <= zoom.left - field.left || bottom <= zoom.top - field.top);
 }"""
 
@@ -311,7 +313,8 @@ def test_page_shows_keys_events_errors_and_charts_of_a_program(browser):
         page.wait_for_selector("#no-events")
         ticks = page.evaluate("""() => {
           const [quantity] = live.charts.quantities, { chart } = quantity, shown = [];
-          Object.assign(chart, { samples: [[0, 19], [0, 20]], text: (_, text) => shown.push(text) });
+          chart.samples = [[0, 19], [0, 20]];
+          chart.text = (_, text) => shown.push(text);
           quantity.draw();
           return shown;
         }""")

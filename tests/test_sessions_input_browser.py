@@ -139,9 +139,9 @@ def posted(session, pygame, wanted):
 
 def test_buttons_and_wheel_reach_a_pygame_program_and_no_menu_opens(browser, monkeypatch):
     with playing(browser, monkeypatch) as (session, page, pygame):
-        page.evaluate(
-            "document.addEventListener('contextmenu', (event) => { globalThis.menu = event.defaultPrevented })"
-        )
+        page.evaluate("""() => document.addEventListener("contextmenu", (event) => {
+          globalThis.menu = event.defaultPrevented;
+        })""")
         page.mouse.move(*page.evaluate(PLACE, [120, 80]))
         for name, number in (("left", 1), ("middle", 2), ("right", 3)):
             page.mouse.down(button=name)

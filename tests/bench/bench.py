@@ -241,9 +241,8 @@ def time_of_impact() -> None:
         )
 
     cases, count = sized(20_000, 200), sized(501, 21)
-    print(
-        "| turn up to, rad | contacts deeper than 20 mm | missed by Box2D | late | missed by advancement |"
-    )
+    heads = ["turn up to, rad", "contacts deeper than 20 mm", "missed by Box2D", "late"]
+    print("|", " | ".join([*heads, "missed by advancement"]), "|")
     for turn in (0.0, 0.5, 1.0, 1.57, 3.0):
         first = np.zeros((cases, 2, 3))
         first[:, 1, :2], first[..., 2] = (
@@ -265,9 +264,8 @@ def time_of_impact() -> None:
         )
         missed, late = np.isinf(theirs), np.isfinite(theirs) & (theirs > begins + 0.01)
         ours = (advanced(first, last) > begins).sum()
-        print(
-            f"| {turn} | {deep.sum()} | {missed.sum()}, {missed.mean():.1%} | {late.sum()} | {ours} |"
-        )
+        share = f"{missed.sum()}, {missed.mean():.1%}"
+        print(f"| {turn} | {deep.sum()} | {share} | {late.sum()} | {ours} |")
 
 
 def engine() -> None:
@@ -276,8 +274,10 @@ def engine() -> None:
     found = played.to_dict()
     late = played.first_contact.time - exact if played.first_contact else np.nan
     print(
-        f"{found['realtime_factor']:.1f} times real time, driver {found['driver_overhead']:.2f} of the steps, "
-        f"drift {1e3 * played.head_drift:.4f} mm and {1e3 * played.max_drift:.4f} mm, contact {1e3 * late:+.3f} ms late"
+        f"{found['realtime_factor']:.1f} times real time, "
+        f"driver {found['driver_overhead']:.2f} of the steps, "
+        f"drift {1e3 * played.head_drift:.4f} mm and {1e3 * played.max_drift:.4f} mm, "
+        f"contact {1e3 * late:+.3f} ms late"
     )
     with tempfile.TemporaryDirectory() as folder:
         write_player(played, path := Path(folder, "run.html"))

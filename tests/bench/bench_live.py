@@ -38,7 +38,8 @@ FRAMES = sized(600, 30)
 BOX = """() => {
   const { points } = live.frame.calls.filter(({ grip }) => grip > 0).at(-1);
   const { left, top } = document.getElementById("field").getBoundingClientRect();
-  const [x, y] = live.view.toScreen(...[0, 1].map((k) => points.reduce((sum, one) => sum + one[k] / points.length, 0)));
+  const mean = (k) => points.reduce((sum, one) => sum + one[k] / points.length, 0);
+  const [x, y] = live.view.toScreen(mean(0), mean(1));
   return [left + x, top + y];
 }"""
 RESTS = "(([x, y, u, v]) => Math.hypot(x - u, y - v) < 0.01)(live.frame.held)"

@@ -22,7 +22,8 @@ from pymunk_dragon import live
 BENCH, PULL = 190, 7.0  # the bench that is pulled, and how far outward, m
 ARROW = np.array([(0, 0), (0, 17), (4, 13), (7, 20), (10, 19), (7, 12), (12, 12)])  # pixels
 PLACE = """([bench, out]) => {
-  const [x, y] = live.frame.poses.slice(3 * bench, 3 * bench + 2), share = 1 + out / Math.hypot(x, y);
+  const [x, y] = live.frame.poses.slice(3 * bench, 3 * bench + 2);
+  const share = 1 + out / Math.hypot(x, y);
   const { left, top } = document.getElementById("field").getBoundingClientRect();
   const at = live.view.toScreen(share * x, share * y);
   return [left + at[0], top + at[1]];
