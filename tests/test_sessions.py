@@ -718,7 +718,7 @@ def test_clients_that_never_read_or_that_flood_do_not_stop_others():
             first = await client.shown()
             # More than sockets hold.
             for _ in range(60):
-                session._session.clients.tell({"kind": "event", "time": 0.0, "text": "x" * 100_000})
+                session.session.clients.tell({"kind": "event", "time": 0.0, "text": "x" * 100_000})
             flooding = asyncio.create_task(flood(session.address))
             for number in range(20):
                 await client.send("ping", id=number)
@@ -775,7 +775,7 @@ def test_stop_leaves_no_thread_and_frees_the_port_even_with_clients_and_while_it
             if way == "by its own thread":
                 # As the action of a button does.
                 stopped = threading.Event()
-                session._session.call(
+                session.session.call(
                     lambda session=session, stopped=stopped: (session.stop(), stopped.set())
                 )
                 assert stopped.wait(PATIENCE)

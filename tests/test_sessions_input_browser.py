@@ -56,7 +56,7 @@ def test_page_and_engine_take_the_same_body_at_every_point(browser):
     with shown(browser, source_of(mixed, PlaySettings())) as (session, page):
         page.keyboard.press("Space")
         wait_until(page, "!live.state.running")
-        scene = session._session.scene
+        scene = session.session.scene
         wait_until(page, f"live.frame.step === {scene.steps}")
         points = np.random.default_rng(1).uniform(-3.5, 3.5, (600, 2))
         with session.paused():

@@ -423,8 +423,7 @@ def test_callbacks_of_a_built_space_are_not_called_when_it_is_built_again_or_the
             assert on.do(message.pop("do"), **message) is None
             gc.collect()
         on.step(20)
-        on.session.stop()
-        on.session._thread.join(PATIENCE)
+        on.wait_for_end()
         del on.session.scene
         gc.collect()
     assert called == []
@@ -747,5 +746,5 @@ def test_no_body_sleeps_in_a_space_that_is_discarded():
             assert not any(body.is_sleeping for body in discarded[-1].bodies)
         on.step(30)
         discarded.append(on.scene.space)
-    on.session._thread.join(PATIENCE)
+        on.wait_for_end()
     assert not any(body.is_sleeping for body in discarded[-1].bodies)
