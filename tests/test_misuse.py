@@ -269,6 +269,11 @@ def test_a_wrong_argument_is_refused_by_the_call_that_receives_it(call, argument
     assert list(here.iterdir()) == []
 
 
+@pytest.mark.parametrize("value", ["x" * 1000, [0.5] * 1000, np.eye(30), -(10**400)])
+def test_message_does_not_repeat_a_long_value(value):
+    assert repr(value) not in str(refusal(Spiral, pitch=value))
+
+
 def test_what_does_not_apply_to_a_march_is_refused_by_a_live_session():
     others = {
         "on_step": print,
