@@ -100,7 +100,9 @@ def test_paper_tables_are_the_papers_numbers(answer):
 
 
 def test_scenario_comes_from_files_and_flags_win(answer, tmp_path):
-    scenario, path, speed = tmp_path / "s.toml", tmp_path / "path.csv", tmp_path / "speed.csv"
+    scenario = tmp_path / "s.toml"
+    path = tmp_path / "path.csv"
+    speed = tmp_path / "speed.csv"
     scenario.write_text("benches = 16\npitch = 0.6\n")
     found = answer("positions", "--scenario", scenario, "--pitch", "0.7", "--times", "0", "--json")
     assert found["handles"][-1] == 16

@@ -88,7 +88,9 @@ def test_examples_of_the_help_run(call, late_run, name, here):
 
 @pytest.mark.thorough
 def test_time_left_leaves_out_what_comes_before_the_first_step(monkeypatch):
-    now, bars, made = [0.0], [], output.click.progressbar
+    now = [0.0]
+    bars = []
+    made = output.click.progressbar
     monkeypatch.setattr("time.time", lambda: now[0])
     monkeypatch.setattr("click.progressbar", lambda **given: bars.append(made(**given)) or bars[0])
     with output.progress("work") as show:

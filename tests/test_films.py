@@ -352,10 +352,8 @@ def test_march_is_shown_until_its_first_contact_or_for_a_minute(tmp_path):
 
 def test_film_slows_down_once_for_the_events_of_all_its_sources(seed):
     film = Film(start=300)
-    played, exact = (
-        timing_of(seed, film).times,
-        timing_of(March(), replace(film, until=412.4739)).times,
-    )
+    played = timing_of(seed, film).times
+    exact = timing_of(March(), replace(film, until=412.4739)).times
     np.testing.assert_allclose(played, exact, atol=1e-3)
     # An unguided run does not have the near misses of the exact model.
     unguided = replace(seed, provenance={"player": "pymunk", "guide": "none", "free_from": 1})

@@ -47,14 +47,10 @@ TIGHT = March(Dragon(benches=30), Spiral(pitch=0.31), turns=8)
 @pytest.mark.thorough
 @pytest.mark.parametrize(("width", "benches"), [(0.3, (0, 8)), (0.301, (0, 11))])
 def test_ipc_toolkit_finds_the_same_first_contact(width, benches):
-    judge, march = (
-        pytest.importorskip("outside_judge", reason="needs ipctk"),
-        March(Dragon(width=width)),
-    )
-    (cleared, closest), found = (
-        judge.cleared_by_ipc_toolkit(march, 400.0, 413.0),
-        first_contact(march),
-    )
+    judge = pytest.importorskip("outside_judge", reason="needs ipctk")
+    march = March(Dragon(width=width))
+    cleared, closest = judge.cleared_by_ipc_toolkit(march, 400.0, 413.0)
+    found = first_contact(march)
     assert found.benches == closest == benches
     # It clears all but its last steps; the certified time itself is accurate to 1e-11 s.
     assert -1e-11 < found.time - cleared < 1e-9
@@ -352,12 +348,10 @@ def test_benches_stay_within_their_bounds(march, share, exponent):
     assert np.all(np.delete(apart, columns, axis=1) > 0)
     found = motion.separations(rows, pairs)
     open_ = found.distance > 0
-    rows, pairs, normals, columns = (
-        rows[open_],
-        pairs[open_],
-        found.normal[open_],
-        np.array(columns, dtype=int)[open_],
-    )
+    rows = rows[open_]
+    pairs = pairs[open_]
+    normals = found.normal[open_]
+    columns = np.array(columns, dtype=int)[open_]
     for bound in (motion.smallest_gaps, motion.smallest_gaps_together):
         assert np.all(apart[:, columns].min(axis=0) >= bound(rows, pairs, normals) - 1e-12)
 

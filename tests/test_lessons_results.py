@@ -119,7 +119,9 @@ def test_limit_is_the_one_in_many_digits():
     limit, ratio, speed = found_in("speed-limit", "largest speed")[0]
     time = found_in("speed-limit", "^t =")[0][0]
     with mp.workdps(DIGITS):
-        truth, tiny, spacings = u_turn(), mp.mpf("1e-15"), Dragon().spacings[:8]
+        truth = u_turn()
+        tiny = mp.mpf("1e-15")
+        spacings = Dragon().spacings[:8]
         way = mp.mpf(time) * mp.mpf(speed)
         before, after = (walked_chain(truth, way + sign * tiny, spacings) for sign in (-1, 1))
         ratios = [float((b - a) / (2 * tiny)) for a, b in zip(before, after, strict=True)]

@@ -287,10 +287,8 @@ def test_grid_says_how_many_pairs_share_a_cell(visit):
         for cell, benches in ((0.55, 223), (0.1, 223), (2.2, 223), (0.55, 16)):
             set_slider(page, "size of a cell", cell)
             set_slider(page, "benches", benches)
-            pairs, entries = (
-                Grid(cell=cell).pairs(outlines[:benches]),
-                Grid(cell=cell).file(outlines[:benches])[1],
-            )
+            pairs = Grid(cell=cell).pairs(outlines[:benches])
+            entries = Grid(cell=cell).file(outlines[:benches])[1]
             every = (benches - 1) * (benches - 2) // 2
             assert f"{len(pairs)} of {every} pairs share a cell; {len(entries)} entries" in readout(
                 page
@@ -399,10 +397,8 @@ def finger(page, start, stop):
     """Drag a finger over the page."""
     touch = page.context.new_cdp_session(page)
     for share in np.linspace(0, 1, 9):
-        kind, point = (
-            "touchMove" if share else "touchStart",
-            np.array(start) + share * np.subtract(stop, start),
-        )
+        kind = "touchMove" if share else "touchStart"
+        point = np.array(start) + share * np.subtract(stop, start)
         points = [{"x": float(point[0]), "y": float(point[1])}]
         touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
     touch.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})

@@ -148,7 +148,8 @@ NONSENSE += [
     float,
     np.arange(4.0) * 1e300,
 ]
-MARCH, POSES = March(SMALL), np.zeros((4, 3))
+MARCH = March(SMALL)
+POSES = np.zeros((4, 3))
 CALLS = [
     (MARCH.at, {"times": [0.0], "handles": 2}),
     (MARCH.motion_or_nan, {"times": [0.0], "handles": 2}),

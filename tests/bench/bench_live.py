@@ -30,8 +30,14 @@ from live_sessions import SocketClient, joined
 from pymunk_dragon.sessions import Slider, live
 from pymunk_dragon.sessions.scenes import _boxes
 
-CLIENTS, SECONDS = sized((20, 600.0), (2, 6.0))
-OBSTACLES, RESETS = 30, 20
+# Clients of the soak test.
+CLIENTS = sized(20, 2)
+# Length of the soak test, s.
+SECONDS = sized(600.0, 6.0)
+# Obstacles in the soak test.
+OBSTACLES = 30
+# Resets in the soak test.
+RESETS = 20
 # Frames before a measurement, and measured.
 FRAMES = sized(600, 30)
 # Where on the page the centre of a box is.
