@@ -149,33 +149,29 @@ def gallery_text(texts: Mapping[str, str], commands: Mapping[str, str]) -> str:
     captions: dict[str, tuple[str, str]] = {}
     for picture, caption, page in shown_pictures(texts):
         captions.setdefault(picture, (caption, page))
+
     lines = [
         "# Gallery",
         "",
-        "Each picture leads to the text about it, and has its commands; where it has none, the text has its program.",
+        "Each picture leads to the text about it, and has its commands;"
+        " where it has none, the text has its program.",
         "",
+        '<div class="gallery">',
     ]
-    lines += ['<div class="gallery">']
     made = [name for name in commands if name.endswith(PICTURES)]
-    for picture in (*made, *(name for name in captions if name not in made)):
+    shown_only = [name for name in captions if name not in made]
+    for picture in made + shown_only:
         caption, page = captions[picture]
-        lines += [
-            f'<figure><a href="{page}"><img src="renders/{picture}" alt="" loading="lazy">{caption}</a>'
-        ]
+        image = f'<img src="renders/{picture}" alt="" loading="lazy">'
+        lines.append(f'<figure><a href="{page}">{image}{caption}</a>')
         if picture in made:
-            arguments = commands[picture]
-            runs = [
-                name
-                for name in commands
-                if name.endswith(".npz") and f"renders/{name}" in arguments.split()
-            ]
-            shown = [
-                *(f"{commands[name]} -o renders/{name}" for name in runs),
-                f"{arguments} -o renders/{picture}",
-            ]
-            lines += [
-                f"<pre>{escape(chr(10).join(f'pymunk-dragon {each}' for each in shown))}</pre>"
-            ]
+            # The commands of the runs that the picture shows, then its own.
+            words = commands[picture].split()
+            runs = [name for name in commands if name.endswith(".npz")]
+            files = [name for name in runs if f"renders/{name}" in words] + [picture]
+            shown = [f"{commands[name]} -o renders/{name}" for name in files]
+            text = "\n".join(f"pymunk-dragon {each}" for each in shown)
+            lines.append(f"<pre>{escape(text)}</pre>")
         lines.append("</figure>")
     return "\n".join([*lines, "</div>"])
 
@@ -190,9 +186,8 @@ def lessons_text() -> str:
         [block] = blocks(lesson.sections()["Teacher"])
         needs, minutes, _ = re.split(r"\. (\d+) minutes: ", block.items[0])
         goal = block.items[1].removeprefix("Goal: ")
-        lines.append(
-            f"| [{name}](renders/lessons.html#{name}) | {needs} | {minutes} | {goal[0].upper()}{goal[1:]} |"
-        )
+        link = f"[{name}](renders/lessons.html#{name})"
+        lines.append(f"| {link} | {needs} | {minutes} | {goal[0].upper()}{goal[1:]} |")
     return re.sub(r"[$\\]", "", "\n".join(lines))
 
 
@@ -308,6 +303,7 @@ def build(directory: Path, commands: Mapping[str, str], copies: Path = RENDERS) 
     configure(titles)
     modules = documented_modules()
     members = {name: anchors(module) for name, module in modules.items()}
+
     texts = {
         page: (ROOT / file).read_text("utf-8").replace("](../", "](renders/")
         for file, (page, _) in TEXTS.items()
@@ -327,6 +323,7 @@ def build(directory: Path, commands: Mapping[str, str], copies: Path = RENDERS) 
             directory / page,
             with_links(page, whole.replace('lang="en"', f'lang="{language}"', 1), members),
         )
+
     everything = {module.modulename: module for module in modules.values()}
     # There is no setting for annotations: pdoc calls this function of Python's for those of results
     # and fields, and Python itself for those of parameters.
@@ -347,16 +344,13 @@ def build(directory: Path, commands: Mapping[str, str], copies: Path = RENDERS) 
             vars(module)["docstring"] = RELATIVE.sub(lambda found: found[2] or "", module.docstring)
         order = (RENDERS / "templates" / "search_order.js").read_text(encoding="utf-8")
         write(directory / "search.js", f"{render.search_index(everything)}\n{order}")
+
     (directory / "figures").mkdir()
-    pictures = [
-        path
-        for path in (*RENDERS.glob("*.*"), *RENDERS.glob("figures/*.*"))
-        if path.suffix in PICTURES
-    ]
-    for source in (*pictures, *(copies / name for name in copied), ROOT / CITATION):
-        shutil.copyfile(
-            source, directory / ("figures" if source.parent.name == "figures" else "") / source.name
-        )
+    for source in [*(copies / name for name in copied), ROOT / CITATION]:
+        shutil.copyfile(source, directory / source.name)
+    for source in [*RENDERS.glob("*.*"), *RENDERS.glob("figures/*.*")]:
+        if source.suffix in PICTURES:
+            shutil.copyfile(source, directory / source.relative_to(RENDERS))
 
 
 if __name__ == "__main__":

@@ -26,9 +26,12 @@ TEXTS = """() => {
   const texts = [document.title];
   while (walk.nextNode()) {
     const parent = walk.currentNode.parentElement;
-    if (!parent.closest("script, style, kbd, code, noscript, #language, .from-run")) texts.push(walk.currentNode.data);
+    const left = parent.closest("script, style, kbd, code, noscript, #language, .from-run");
+    if (!left) texts.push(walk.currentNode.data);
   }
-  for (const each of document.querySelectorAll("[title], [aria-label]")) texts.push(each.title, each.ariaLabel ?? "");
+  for (const each of document.querySelectorAll("[title], [aria-label]")) {
+    texts.push(each.title, each.ariaLabel ?? "");
+  }
   return texts;
 }"""
 
@@ -95,7 +98,8 @@ def wait_until(page: Page | Frame, expression: str, seconds: float = 120.0) -> N
 def framed(browser: Browser, content: str, how: str) -> Iterator[tuple[Opened, Frame]]:
     """Open a page, by `src` or `srcdoc`, in a frame that allows it scripts and nothing else."""
     value = {"src": "/page.html", "srcdoc": escape(content)}[how]
-    around = f'<!doctype html><iframe sandbox="allow-scripts" width="1200" height="780" {how}="{value}"></iframe>'
+    allowed = f'sandbox="allow-scripts" width="1200" height="780" {how}="{value}"'
+    around = f"<!doctype html><iframe {allowed}></iframe>"
 
     def answer(route: Route) -> None:
         found = content if route.request.url.endswith("/page.html") else around

@@ -8,8 +8,10 @@ import numpy as np
 
 from pymunk_dragon import Arc, Composite, Line
 
-# m. The head's step, and what a rear handle may move in it at most.
-STEP, JUMP = 5e-3, 0.3
+# The head's step, m.
+STEP = 5e-3
+# Longest way of a rear handle in a step, m.
+JUMP = 0.3
 
 
 def follow(curve, start, heads, spacings, step=STEP):

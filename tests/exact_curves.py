@@ -21,7 +21,9 @@ def line(start, stop):
 
 
 def arc(centre, radius, begin_angle, sweep):
-    centre, radius, side = mp.mpc(*centre), mp.mpf(radius), mp.sign(sweep)
+    centre = mp.mpc(*centre)
+    radius = mp.mpf(radius)
+    side = mp.sign(sweep)
 
     def at(s):
         out = mp.expj(begin_angle + side * s / radius)
@@ -89,7 +91,9 @@ def s_turn(pitch, radius, ratio):
 
 def u_turn(pitch=1.7, radius=4.5, ratio=2):
     """The path of question 4, by what it is made of."""
-    pitch, radius, ratio = exact(pitch), mp.mpf(radius), mp.mpf(ratio)
+    pitch = exact(pitch)
+    radius = mp.mpf(radius)
+    ratio = mp.mpf(ratio)
     radii, centres, sweeps, points, _ = s_turn(pitch, radius, ratio)
     entry = arc_length(2 * mp.pi * radius / pitch, pitch)
     first, second = (
@@ -138,7 +142,9 @@ def _walked(truth, begin, chord, step):
         return abs(mp.mpc(*truth(place)[:2]) - here)
 
     with mp.workdps(15):
-        place, reached, further = begin, mp.mpf(0), mp.mpf(0)
+        place = begin
+        reached = mp.mpf(0)
+        further = mp.mpf(0)
         while reached <= further < chord:
             place, reached = place + step, further
             further = away(place)

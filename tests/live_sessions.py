@@ -52,6 +52,7 @@ class Played:
     def __init__(self, source, **options):
         source = source if hasattr(source, "build") else source_of(source, PlaySettings())
         self.session = Session(source, running=False, **options)
+        self.threads = set(threading.enumerate())
         self.told = []
         self.session.join(Listener(self.session, self.told))
         self.session.start()
@@ -84,6 +85,12 @@ class Played:
             self.settle()
         self.settle()
         return self.scene.steps - begin
+
+    def wait_for_end(self):
+        """Stop, and wait for the thread, which may be in a function of the test's."""
+        self.session.stop()
+        for thread in set(threading.enumerate()) - self.threads:
+            thread.join(PATIENCE)
 
     def run(self, seconds):
         return self.step(round(seconds / self.scene.step_length))
@@ -156,11 +163,19 @@ def decoded(frame: bytes):
     return SimpleNamespace(**header, **parts)
 
 
+class Served(Live):
+    """What `live` returns, for a session that a test can read."""
+
+    def __init__(self, session: Session, **options: object):
+        self.session = session
+        super().__init__(session, **options)
+
+
 @contextmanager
 def served(source: object = "pendulum", **options: object):
     """A session with a server, without a browser."""
     session = Session(source if hasattr(source, "build") else source_of(source, PlaySettings()))
-    found = Live(session, **{"host": "127.0.0.1", "port": 0} | options)
+    found = Served(session, **{"host": "127.0.0.1", "port": 0} | options)
     try:
         yield found
     finally:

@@ -91,13 +91,17 @@ def gap(time, pair, sizes):
 def grazing(pair, time, sizes):
     """Time and pitch at which two benches just touch, by Newton's method from those given."""
     with mp.workdps(DIGITS):
-        t, p, step = mp.mpf(time), mp.mpf(sizes["pitch"]), mp.mpf("1e-12")
+        t = mp.mpf(time)
+        p = mp.mpf(sizes["pitch"])
+        step = mp.mpf("1e-12")
 
         def at(time, pitch):
             return gap(time, pair, sizes | {"pitch": pitch})
 
         for _ in range(2):
-            before, now, after = at(t - step, p), at(t, p), at(t + step, p)
+            before = at(t - step, p)
+            now = at(t, p)
+            after = at(t + step, p)
             t -= (after - before) / 2 * step / (after - 2 * now + before)
             least = at(t, p)
             p -= least * step / (at(t, p + step) - least)

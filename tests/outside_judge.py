@@ -10,11 +10,16 @@ come nearer than twice that.
 import ipctk
 import numpy as np
 
-# Bound on accelerations over the largest second difference of a corner at 2001 times; s: of times
-# this far apart.
-SAFETY, DIFFERENCE = 2.0, 1e-3
-# m: where Tight Inclusion ends its divisions. s: longest and shortest step.
-TOLERANCE, LONGEST, SHORTEST = 1e-12, 0.02, 1e-10
+# Bound on accelerations over the largest second difference of a corner at 2001 times.
+SAFETY = 2.0
+# Time between the samples of a second difference, s.
+DIFFERENCE = 1e-3
+# Length at which Tight Inclusion ends its divisions, m.
+TOLERANCE = 1e-12
+# Longest step, s.
+LONGEST = 0.02
+# Shortest step, s.
+SHORTEST = 1e-10
 
 
 def cleared_by_ipc_toolkit(march, start, until):
@@ -27,7 +32,9 @@ def cleared_by_ipc_toolkit(march, start, until):
         corners(np.linspace(start, until, 2001) + k * DIFFERENCE) for k in (-1, 0, 1)
     )
     bound = SAFETY * np.linalg.norm(before - 2 * now + after, axis=-1).max() / DIFFERENCE**2
-    time, step, here = start, LONGEST, np.asfortranarray(now[0])
+    time = start
+    step = LONGEST
+    here = np.asfortranarray(now[0])
     edges = [(k, 4 * (k // 4) + (k + 1) % 4) for k in range(len(here))]
     mesh = ipctk.CollisionMesh(here, np.array(edges, dtype=np.int32, order="F"))
     near = {
@@ -39,14 +46,14 @@ def cleared_by_ipc_toolkit(march, start, until):
     ipctk.set_logger_level(ipctk.error)  # It warns of each step that is not clear.
     assert not ipctk.has_intersections(mesh, here)
     while step > SHORTEST and time < until:
-        there, method = (
-            np.asfortranarray(corners([time + step])[0]),
-            ipctk.TightInclusionCCD(tolerance=TOLERANCE),
-        )
+        there = np.asfortranarray(corners([time + step])[0])
+        method = ipctk.TightInclusionCCD(tolerance=TOLERANCE)
         if ipctk.is_step_collision_free(
             mesh, here, there, bound * step**2 / 4, narrow_phase_ccd=method
         ):
-            time, here, step = time + step, there, min(2 * step, LONGEST)
+            time = time + step
+            here = there
+            step = min(2 * step, LONGEST)
         else:
             step /= 2
     found = ipctk.Candidates()

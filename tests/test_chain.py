@@ -283,11 +283,10 @@ def test_bounds_hold_for_the_rates_and_their_changes(curve, head):
 def test_whole_chains_never_end_on_another_turn(monkeypatch):
     """Newton's method from an estimate on another turn finds other handles: they are refused."""
     spiral = Spiral(pitch=0.3)
-    heads, spacings = (
-        np.array([spiral.at_turn(turns) for turns in (3, 5, 9)]),
-        np.array([1.65, 1.65]),
-    )
+    heads = np.array([spiral.at_turn(turns) for turns in (3, 5, 9)])
+    spacings = np.array([1.65, 1.65])
     expected = spiral.chain(heads, spacings)
+    # Only a wrong estimate leads there, so that of the spiral is replaced.
     near = spiral._estimate(heads, spiral._parameter(heads), spacings[:, None])
     for back in (0.3, 0.5, 0.99, 1.0, 1.01, 2.0):
         estimate = near - back * 2 * np.pi * np.array([[0], [1], [1]])

@@ -39,26 +39,42 @@ def answer(call):
 # positions
 
 
-def test_positions_are_the_exact_models(answer, tmp_path):
-    lines = answer("positions").splitlines()
-    assert len(lines) == 1 + 6 * 7
-    assert lines[1].split() == ["0", "0", "8.800000", "0.000000", "1.000000"]
-    assert lines[-1].split()[:2] == ["300", "223"]
+def test_positions_are_those_of_7_handles_each_minute_to_300_s(answer):
+    _, *rows = [line.split() for line in answer("positions").splitlines()]
+    assert len(rows) == 6 * 7
+    assert rows[0] == ["0", "0", "8.800000", "0.000000", "1.000000"]
+    assert rows[-1][:2] == ["300", "223"]
+
+
+def test_positions_are_the_exact_models(answer):
     found = answer("positions", "--times", "0,60", "--handles", "0,223", "--json")
     states = March().at([0, 60])
     assert found["positions"] == states.positions[:, [0, 223]].tolist()
     assert found["speeds"] == states.speeds[:, [0, 223]].tolist()
-    # Lists have both ends, and the default handles are those of this dragon.
+
+
+def test_lists_of_times_have_both_ends_and_handles_are_those_of_the_dragon(answer):
     found = answer("positions", "--benches", "60", "--times", "0:1:0.1,5", "--json")
     assert found["times"] == pytest.approx([*(i / 10 for i in range(11)), 5])
     assert found["handles"] == [0, 1, 51, 60]
-    table, document, sheet = (tmp_path / f"p.{ending}" for ending in ("csv", "json", "xlsx"))
-    for path in (table, document):
-        assert answer("positions", "--times", "0,60", "-o", path) == ""
+
+
+def test_positions_are_written_as_a_table(answer, tmp_path):
+    table = tmp_path / "p.csv"
+    assert answer("positions", "--times", "0,60", "-o", table) == ""
     rows = list(csv.DictReader(table.read_text().splitlines()))
     assert len(rows) == 14
     assert float(rows[0]["x_m"]) == March().at(0).positions[0, 0, 0]
+
+
+def test_positions_are_written_as_json(answer, tmp_path):
+    document = tmp_path / "p.json"
+    assert answer("positions", "--times", "0,60", "-o", document) == ""
     assert json.loads(document.read_text())["times"] == [0, 60]
+
+
+def test_positions_are_written_as_the_contests_sheet(answer, tmp_path):
+    sheet = tmp_path / "p.xlsx"
     assert answer("positions", "--benches", "4", "--times", "0:2:1", "-o", sheet) == ""
     heads, first, *_ = openpyxl.load_workbook(sheet)["位置"].iter_rows(values_only=True)
     assert heads == (None, "0 s", "1 s", "2 s")
@@ -77,14 +93,16 @@ def test_paper_tables_are_the_papers_numbers(answer):
     assert rows(answer("positions", "--paper")) == papers
     # Its third table is that of one moment: a millisecond before or later it has other digits.
     for near in (412.472838, 412.474838):
-        assert [
-            one == other
-            for one, other in zip(rows(paper_tables(March(), near)), papers, strict=True)
-        ] == [1, 1, 0]
+        first, second, third = rows(paper_tables(March(), near))
+        assert first == papers[0]
+        assert second == papers[1]
+        assert third != papers[2]
 
 
 def test_scenario_comes_from_files_and_flags_win(answer, tmp_path):
-    scenario, path, speed = tmp_path / "s.toml", tmp_path / "path.csv", tmp_path / "speed.csv"
+    scenario = tmp_path / "s.toml"
+    path = tmp_path / "path.csv"
+    speed = tmp_path / "speed.csv"
     scenario.write_text("benches = 16\npitch = 0.6\n")
     found = answer("positions", "--scenario", scenario, "--pitch", "0.7", "--times", "0", "--json")
     assert found["handles"][-1] == 16
@@ -216,12 +234,10 @@ def test_contacts_of_a_simulation_are_reported_or_resolved(answer, here):
     assert Run.load("run.npz").settings.head_force == 300
     given = ["--substep", "0.01", "--iterations", "60"]
     found = answer("simulate", "--benches", "9", "--until", "0.2", *given, "--json")
-    assert [found[key] for key in ("first_contact", "status", "substep", "iterations")] == [
-        None,
-        "clear",
-        0.01,
-        60,
-    ]
+    assert found["first_contact"] is None
+    assert found["status"] == "clear"
+    assert found["substep"] == 0.01
+    assert found["iterations"] == 60
     assert "benches 27 and 49 overlap at the start" in answer(
         "simulate", "--benches", "60", "--pitch", "0.32"
     )
@@ -230,25 +246,26 @@ def test_contacts_of_a_simulation_are_reported_or_resolved(answer, here):
 # render, report, figure
 
 
-def test_render_and_report_take_the_format_from_the_ending(answer, here):
-    for ending, expected in {
-        "gif": b"GIF89a",
-        "webp": b"RIFF",
-        "png": b"\x89PNG\r\n\x1a\n",
-    }.items():
-        path = Path(f"film.{ending}")
-        options = ["--size", "120"] + ["--fps", "10", "--speedup", "10"] * (ending != "png")
-        assert (
-            answer("render", "--until", "2", *options, "-o", path, "--json")["bytes"]
-            == path.stat().st_size
-        )
-        assert path.read_bytes().startswith(expected), ending
+@pytest.mark.parametrize(
+    ("ending", "begin"), [("gif", b"GIF89a"), ("webp", b"RIFF"), ("png", b"\x89PNG\r\n\x1a\n")]
+)
+def test_render_takes_the_format_from_the_ending(answer, tmp_path, ending, begin):
+    path = tmp_path / f"film.{ending}"
+    options = ["--size", "120"]
+    if ending != "png":
+        options += ["--fps", "10", "--speedup", "10"]
+    found = answer("render", "--until", "2", *options, "-o", path, "--json")
+    assert found["bytes"] == path.stat().st_size
+    assert path.read_bytes().startswith(begin)
+
+
+def test_render_writes_a_page_and_report_reports_in_html_and_json(answer, here):
     Run.exact(March(Dragon(benches=16), turns=8), [79, 82]).save("run.npz")
-    assert answer("render", "run.npz", "-o", "page.html") == answer("report", "run.npz") == ""
+    assert answer("render", "run.npz", "-o", "page.html") == ""
     assert Path("page.html").read_bytes().startswith(b"<!doctype html>")
-    assert "Benches 0 and 8 touch at 80.691318 s</h1>" in Path("run.html").read_text(
-        encoding="utf-8"
-    )
+    assert answer("report", "run.npz") == ""
+    content = Path("run.html").read_text(encoding="utf-8")
+    assert "Benches 0 and 8 touch at 80.691318 s</h1>" in content
     assert answer("report", "run.npz", "-o", "r.json", "--json")["output"] == "r.json"
     assert json.loads(Path("r.json").read_text())["first_contact"]["benches"] == [0, 8]
 

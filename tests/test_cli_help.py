@@ -34,26 +34,41 @@ def examples_of(text):
     return [shlex.split(line)[1:] for line in text.partition("Examples:\n")[2].splitlines()]
 
 
-def test_help_fits_80_columns_and_has_examples_that_the_command_takes(call, monkeypatch):
-    monkeypatch.setenv("COLUMNS", "80")
-    for each in ("", *COMMANDS):
-        code, out, err = call(*each.split(), "--help")
-        assert (code, err) == (0, "")
-        assert max(map(len, out.splitlines())) <= 80
-        assert examples_of(out)
-        for name, *arguments in examples_of(out):
-            assert name == each or not each
-            command(name).make_context(name, arguments)
-        if each not in ("", "report", "demo"):
-            # The command's own options stand before those of the dragon.
-            flags = [f"  --{name.replace('_', '-')} " for name in options.SCENARIO_OPTIONS]
-            assert out.index(flags[0]) > max(
-                out.index("  --scenario "), out.find("  --from "), out.find("  --json ")
-            )
-            assert all(flag in out for flag in flags)
-            assert COMMANDS[each] in " ".join(out.split())
-    listed = call("--help")[1].partition("Commands:\n")[2].partition("\n\n")[0].splitlines()
+def help_of(call, *command):
+    """The help of a command, or of the program."""
+    code, out, err = call(*command, "--help")
+    assert code == 0
+    assert err == ""
+    return out
+
+
+def test_help_of_the_program_lists_all_commands_and_has_examples_of_them(call):
+    out = help_of(call)
+    listed = out.partition("Commands:\n")[2].partition("\n\n")[0].splitlines()
     assert [line.split()[0] for line in listed] == list(COMMANDS)
+    assert examples_of(out)
+    for name, *arguments in examples_of(out):
+        command(name).make_context(name, arguments)
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_help_has_examples_that_the_command_takes(call, name):
+    out = help_of(call, name)
+    assert examples_of(out)
+    for first, *arguments in examples_of(out):
+        assert first == name
+        command(name).make_context(name, arguments)
+
+
+@pytest.mark.parametrize("name", [name for name in COMMANDS if name not in ("report", "demo")])
+def test_help_has_the_commands_own_options_before_those_of_the_dragon(call, name):
+    out = help_of(call, name)
+    flags = [f"  --{option.replace('_', '-')} " for option in options.SCENARIO_OPTIONS]
+    for flag in flags:
+        assert flag in out
+    for own in ("--scenario", "--from", "--json"):
+        assert out.find(f"  {own} ") < out.index(flags[0])
+    assert COMMANDS[name] in " ".join(out.split())
 
 
 def test_program_without_a_command_shows_its_help_and_version(call):
@@ -73,7 +88,9 @@ def test_examples_of_the_help_run(call, late_run, name, here):
 
 @pytest.mark.thorough
 def test_time_left_leaves_out_what_comes_before_the_first_step(monkeypatch):
-    now, bars, made = [0.0], [], output.click.progressbar
+    now = [0.0]
+    bars = []
+    made = output.click.progressbar
     monkeypatch.setattr("time.time", lambda: now[0])
     monkeypatch.setattr("click.progressbar", lambda **given: bars.append(made(**given)) or bars[0])
     with output.progress("work") as show:

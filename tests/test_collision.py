@@ -122,12 +122,10 @@ def test_depth_along_the_normal_parts_two_and_no_shorter_step_in_any_direction_d
     first, second, found = many
     deep = found.distance < -2 * UNDECIDED
     assert deep.mean() > 0.2
-    one, two, depth, normal = (
-        first[deep],
-        second[deep],
-        -found.distance[deep][:, None],
-        found.normal[deep],
-    )
+    one = first[deep]
+    two = second[deep]
+    depth = -found.distance[deep][:, None]
+    normal = found.normal[deep]
     assert not shapely_intersects(one, moved(two, (depth + UNDECIDED) * normal)).any()
     assert shapely_intersects(one, moved(two, (depth - UNDECIDED) * normal)).all()
     some = np.flatnonzero(depth[:, 0] > 1e-6)[::10]
@@ -308,11 +306,9 @@ def test_paper_grid_starts_at_the_upper_left_and_counts_down_and_right(seed_marc
 
 def on_quarters(rng, n, spread, sizes):
     """Random outlines (n, 4, 2); a third lie along the axes, with corners on quarters of a cell."""
-    x, y, angle = (
-        rng.uniform(-spread, spread, n),
-        rng.uniform(-spread, spread, n),
-        rng.uniform(-4, 4, n),
-    )
+    x = rng.uniform(-spread, spread, n)
+    y = rng.uniform(-spread, spread, n)
+    angle = rng.uniform(-4, 4, n)
     length, width = np.maximum(rng.choice(sizes, (2, n)), 0.25)
     square = rng.random(n) < 1 / 3
     x, y, length, width = (

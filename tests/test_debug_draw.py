@@ -17,7 +17,8 @@ from pymunk.space_debug_draw_options import SpaceDebugColor
 from pymunk_dragon import PillowDrawOptions
 from pymunk_dragon.drawing.debug_draw import DrawRecorder
 
-BLACK, RED = SpaceDebugColor(0, 0, 0, 255), SpaceDebugColor(255, 0, 0, 255)
+BLACK = SpaceDebugColor(0, 0, 0, 255)
+RED = SpaceDebugColor(255, 0, 0, 255)
 WHITE = SpaceDebugColor(255, 255, 255, 255)
 
 
@@ -55,7 +56,9 @@ def shapes():
     """A shape of every kind; the disc has a colour of its own that can be seen through."""
     space = pymunk.Space()
     body, lift = pymunk.Body(1, 1), pymunk.Body(body_type=pymunk.Body.KINEMATIC)
-    body.position, lift.position, body.angle = (60, 40), (20, 40), 0.4
+    body.position = (60, 40)
+    lift.position = (20, 40)
+    body.angle = 0.4
     disc = pymunk.Circle(body, 20)
     disc.color = (*RED[:3], 100)
     space.add(
@@ -71,10 +74,8 @@ def test_every_kind_of_shape_covers_its_area():
     random = np.random.default_rng(7)
     x, y = np.meshgrid(np.arange(48), np.arange(48))
     for number in range(12):
-        at, radius = (
-            [Vec2d(*point) for point in random.uniform(14, 34, (5, 2)).tolist()],
-            random.uniform(2, 9),
-        )
+        at = [Vec2d(*point) for point in random.uniform(14, 34, (5, 2)).tolist()]
+        radius = random.uniform(2, 9)
         # With corners on the straight, which rounding errors turn one way or the other.
         hull = shapely.segmentize(shapely.MultiPoint(at).convex_hull, 5)
         corners = [Vec2d(*corner) for corner in hull.exterior.coords[:-1]]

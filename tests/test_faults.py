@@ -1,4 +1,7 @@
-"""What a user's machine can do to the program: files are whole or not there, whatever interrupts their writing."""
+"""What a user's machine can do to the program.
+
+Files are whole or not there, whatever interrupts their writing.
+"""
 
 import errno
 import os
@@ -142,7 +145,7 @@ PROGRAM = [sys.executable, "-m", "pymunk_dragon"]
 
 
 def program(*arguments, before="", after="", folder=None, **environment):
-    """Run the program in a shell, with shell commands before it and redirections after it: code, stdout, stderr."""
+    """Exit code, stdout and stderr of the program in a shell, between `before` and `after`."""
     command = ["bash", "-c", f'{before} "$@" {after}', "-", *PROGRAM, *map(str, arguments)]
     options = {"timeout": LIMIT, "cwd": folder, "env": os.environ | environment}
     ended = subprocess.run(command, capture_output=True, text=True, **options)

@@ -13,7 +13,6 @@ from pymunk_dragon.drawing.figures import figure
 from pymunk_dragon.errors import MissingExtraError, ParameterError
 from pymunk_dragon.lessons import LESSONS, play
 from pymunk_dragon.lessons._framework import lesson
-from pymunk_dragon.model._display import width
 
 CHINESE = re.compile("[\u4e00-\u9fff]")
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]\d+)?")
@@ -52,9 +51,7 @@ def test_main_outputs_are_chinese_where_there_is_a_translation_or_english(
     assert without | {"lesson": ""} == english | {"lesson": ""}
 
 
-def test_result_in_chinese_has_the_numbers_of_the_english_one_in_80_columns_and_the_same_json(
-    call, tmp_path
-):
+def test_result_in_chinese_has_the_numbers_of_the_english_one_and_the_same_json(call, tmp_path):
     for command in (
         *(
             "positions --times 0,60",
@@ -70,7 +67,6 @@ def test_result_in_chinese_has_the_numbers_of_the_english_one_in_80_columns_and_
         english, chinese = (call(*command.split(), "--lang", each)[1] for each in ("en", "zh"))
         assert CHINESE.search(chinese), command
         assert "{" not in chinese
-        assert max(map(width, (english + chinese).splitlines())) <= 80, command
         if command != "demo":  # Titles have numbers.
             found = [
                 NUMBER.findall(re.sub(r"\b\d+\.\d (times|倍)", "", out))

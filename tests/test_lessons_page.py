@@ -78,10 +78,8 @@ def test_page_is_small_no_wider_than_the_window_requests_nothing_and_shows_all_p
                     width,
                     width,
                 ]
-                wait_until(
-                    seen.page,
-                    "[...document.images].every((image) => image.complete && image.naturalWidth > 0)",
-                )
+                loaded = "(image) => image.complete && image.naturalWidth > 0"
+                wait_until(seen.page, f"[...document.images].every({loaded})")
                 assert seen.complaints == []
                 assert {url for url in seen.addresses if not url.startswith("data:")} == {
                     f"{address}?{language}"
@@ -242,9 +240,8 @@ def test_sheets_for_the_class_have_no_answers_and_those_for_the_teacher_do(seen)
     ):
         seen.page.click(f".languages button[value={language}]")
         seen.page.emulate_media(media="print")
-        seen.page.evaluate(
-            f"document.querySelector('{'#grid' if one else 'header'} .sheets [value={kind}]').click()"
-        )
+        place = "#grid" if one else "header"
+        seen.page.evaluate(f"document.querySelector('{place} .sheets [value={kind}]').click()")
         paper = "".join(seen.page.evaluate("window.paper").split())
         for lesson in ALL:
             printed = not one or lesson.name == "grid"
@@ -278,8 +275,8 @@ def test_experiments_with_pymunk_are_live_on_a_live_server(browser):
             assert live.evaluate("document.documentElement.lang") == "zh"
             assert seen.page.locator("iframe").count() == 1
         # What is changed and what comes of it are in sight at once.
-        below = "(all) => Math.max(...all.map((each) => each.getBoundingClientRect().bottom)) < innerHeight"
-        assert live.eval_on_selector_all("#chart-force, #parameters .slider:nth-child(2)", below)
+        in_sight = "(all) => all.every((each) => each.getBoundingClientRect().bottom < innerHeight)"
+        assert live.eval_on_selector_all("#chart-force, #parameters .slider:nth-child(2)", in_sight)
         seen.page.click(".languages button[value=en]")
         wait_until(live, "document.documentElement.lang === 'en'")
         assert seen.page.url == f"{running.address}&en"

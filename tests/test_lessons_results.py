@@ -119,7 +119,9 @@ def test_limit_is_the_one_in_many_digits():
     limit, ratio, speed = found_in("speed-limit", "largest speed")[0]
     time = found_in("speed-limit", "^t =")[0][0]
     with mp.workdps(DIGITS):
-        truth, tiny, spacings = u_turn(), mp.mpf("1e-15"), Dragon().spacings[:8]
+        truth = u_turn()
+        tiny = mp.mpf("1e-15")
+        spacings = Dragon().spacings[:8]
         way = mp.mpf(time) * mp.mpf(speed)
         before, after = (walked_chain(truth, way + sign * tiny, spacings) for sign in (-1, 1))
         ratios = [float((b - a) / (2 * tiny)) for a, b in zip(before, after, strict=True)]
@@ -244,7 +246,7 @@ def drifts():
     return found
 
 
-def test_each_halving_of_the_steps_leaves_about_a_quarter_of_the_error_and_more_iterations_help_up_to_sixty():
+def test_half_the_step_leaves_a_quarter_of_the_error_and_iterations_help_up_to_sixty():
     found = np.array(list(drifts().values()))
     assert np.all(abs(found[:, 1:] / found[:, :-1] - 0.25) < 0.06)
     assert np.all(found[1:3] < found[:2] / 2)

@@ -121,8 +121,10 @@ def test_gaps_of_rectangles_are_the_packages(page):
     poses = random.uniform([-1.5, -1.5, -4], [1.5, 1.5, 4], (1000, 2, 3))
     lengths, widths = random.uniform(0.1, 2, (2, 1000, 2))
     found = page.evaluate(
-        """([poses, lengths, widths]) => poses.map((pair, k) =>
-          new Benches({ lengths: lengths[k], widths: widths[k] }, posesFrom(2, (i) => pair[i])).gap(0, 1).gap)""",
+        """([poses, lengths, widths]) => poses.map((pair, k) => {
+          const sizes = { lengths: lengths[k], widths: widths[k] };
+          return new Benches(sizes, posesFrom(2, (i) => pair[i])).gap(0, 1).gap;
+        })""",
         [poses.tolist(), lengths.tolist(), widths.tolist()],
     )
     dragon = [pymunk_dragon.outlines(poses[k], lengths[k], widths[k]) for k in range(1000)]
@@ -138,7 +140,8 @@ def grid_of_page(page, march, time, cell):
           const dragon = makeDragon({ benches: count });
           const benches = benchesBetween(dragon, chainAt(new Spiral(0.55), dragon, head).points);
           const { cells, entries, pairs } = gridPairs(benches, grid);
-          return [[...cells].flatMap(([cell, filed]) => filed.map((i) => `${cell},${i}`)), entries, pairs];
+          const filed = [...cells].flatMap(([cell, each]) => each.map((i) => `${cell},${i}`));
+          return [filed, entries, pairs];
         }""",
         [march.head_start + time, march.dragon.benches, {"cell": cell, "origin": [-8.8, 8.8]}],
     )
@@ -283,10 +286,8 @@ def test_grid_says_how_many_pairs_share_a_cell(visit):
         for cell, benches in ((0.55, 223), (0.1, 223), (2.2, 223), (0.55, 16)):
             set_slider(page, "size of a cell", cell)
             set_slider(page, "benches", benches)
-            pairs, entries = (
-                Grid(cell=cell).pairs(outlines[:benches]),
-                Grid(cell=cell).file(outlines[:benches])[1],
-            )
+            pairs = Grid(cell=cell).pairs(outlines[:benches])
+            entries = Grid(cell=cell).file(outlines[:benches])[1]
             every = (benches - 1) * (benches - 2) // 2
             assert f"{len(pairs)} of {every} pairs share a cell; {len(entries)} entries" in readout(
                 page
@@ -395,10 +396,8 @@ def finger(page, start, stop):
     """Drag a finger over the page."""
     touch = page.context.new_cdp_session(page)
     for share in np.linspace(0, 1, 9):
-        kind, point = (
-            "touchMove" if share else "touchStart",
-            np.array(start) + share * np.subtract(stop, start),
-        )
+        kind = "touchMove" if share else "touchStart"
+        point = np.array(start) + share * np.subtract(stop, start)
         points = [{"x": float(point[0]), "y": float(point[1])}]
         touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
     touch.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
@@ -528,9 +527,10 @@ def test_stages_speak_chinese_and_fit_on_a_phone(visit, stage):
             "[...document.querySelectorAll('.knob, canvas, .play')].every((each) => each.ariaLabel)"
         )
         # Another language keeps the experiment.
-        page.evaluate(
-            "document.documentElement.lang = 'en'; document.dispatchEvent(new Event('languagechange'))"
-        )
+        page.evaluate("""() => {
+          document.documentElement.lang = 'en';
+          document.dispatchEvent(new Event('languagechange'));
+        }""")
         assert readout(page) != chinese
         assert sorted(NUMBERS.findall(readout(page))) == sorted(NUMBERS.findall(chinese))
         assert found.complaints == []

@@ -148,7 +148,8 @@ NONSENSE += [
     float,
     np.arange(4.0) * 1e300,
 ]
-MARCH, POSES = March(SMALL), np.zeros((4, 3))
+MARCH = March(SMALL)
+POSES = np.zeros((4, 3))
 CALLS = [
     (MARCH.at, {"times": [0.0], "handles": 2}),
     (MARCH.motion_or_nan, {"times": [0.0], "handles": 2}),
@@ -267,6 +268,11 @@ REFUSED = [
 def test_a_wrong_argument_is_refused_by_the_call_that_receives_it(call, arguments, name, here):
     assert refusal(call, **arguments).name == name
     assert list(here.iterdir()) == []
+
+
+@pytest.mark.parametrize("value", ["x" * 1000, [0.5] * 1000, np.eye(30), -(10**400)])
+def test_message_does_not_repeat_a_long_value(value):
+    assert repr(value) not in str(refusal(Spiral, pitch=value))
 
 
 def test_what_does_not_apply_to_a_march_is_refused_by_a_live_session():

@@ -450,32 +450,75 @@ def test_signals_and_errors_during_a_step_are_raised_after_it(monkeypatch):
         assert pool.submit(simulate, CIRCLE, until=0.1).result().times[-1] == pytest.approx(0.1)
 
 
-def test_unusable_settings_are_refused_by_name(seed_march):
-    cases = [
-        (name, {name: value} | ({"contacts": "resolve"} if name == "head_force" else {}))
-        for name in ("start", "until", "substep", "iterations", "frame_interval", "head_force")
-        for value in NO_NUMBERS
+def refused(**settings):
+    """The name by which a run with these settings is refused."""
+    return refusal(simulate, CIRCLE, **{"until": 1.0} | settings).name
+
+
+@pytest.mark.parametrize("name", ["until", "substep", "iterations", "frame_interval"])
+def test_settings_that_are_no_numbers_are_refused_by_name(name):
+    for value in NO_NUMBERS:
+        # None asks for the default.
+        if value is not None:
+            assert refused(**{name: value}) == name, value
+
+
+def test_start_that_is_no_number_is_refused():
+    for value in NO_NUMBERS:
         # None asks for the default, and a run may start at 0 s or before.
-        if value is not None
-        and not (name == "start" and isinstance(value, int) and value in (0, -1))
-    ]
-    wrong = [("joints", lambda self, bench, body: None), ("anchors", 3), ("anchors", [3])]
-    wrong += [("free_from", bench) for bench in (0, 8, "tail")]
-    cases += [
-        *(("guide", {"guide": guide}) for guide in ("ropes", Rails, object(), 3)),
-        *(
-            (f"Mine.{name}", {"guide": type("Mine", (PathGuide,), {name: value})()})
-            for name, value in wrong
-        ),
+        if value is not None and not (type(value) is int and value in (0, -1)):
+            assert refused(start=value) == "start", value
+
+
+def test_head_force_that_is_no_number_or_without_contacts_is_refused():
+    for value in NO_NUMBERS:
+        if value is not None:
+            assert refused(head_force=value, contacts="resolve") == "head_force", value
+    assert refused(head_force=500.0) == "head_force"
+
+
+@pytest.mark.parametrize(
+    ("name", "settings"),
+    [
         ("contacts", {"contacts": "ignore"}),
-        *(("until", {"start": 5.0, "until": until}) for until in (5.0, 1e300)),
-        *(("substep", {"substep": substep}) for substep in (1.0, 1e-9)),
+        ("guide", {"guide": "ropes"}),
+        ("guide", {"guide": Rails}),
+        ("guide", {"guide": object()}),
+        ("guide", {"guide": 3}),
         ("iterations", {"iterations": 2.5}),
-        ("head_force", {"head_force": 500.0}),
-        *(("settings", {"settings": settings}) for settings in ({}, 0.01, EngineSettings)),
-    ]
-    for name, settings in cases:
-        assert refusal(simulate, CIRCLE, **{"until": 1.0} | settings).name == name, settings
+        ("settings", {"settings": {}}),
+        ("settings", {"settings": 0.01}),
+        ("settings", {"settings": EngineSettings}),
+        ("substep", {"substep": 1.0}),
+        ("substep", {"substep": 1e-9}),
+        ("until", {"start": 5.0, "until": 5.0}),
+        ("until", {"start": 5.0, "until": 1e300}),
+    ],
+)
+def test_settings_of_wrong_kinds_or_sizes_are_refused_by_name(name, settings):
+    assert refused(**settings) == name
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("joints", lambda self, bench, body: None),
+        ("anchors", 3),
+        ("anchors", [3]),
+        ("free_from", 0),
+        ("free_from", 8),
+        ("free_from", "tail"),
+    ],
+)
+def test_wrong_attribute_of_a_guide_is_refused_by_its_name(name, value):
+    class Mine(PathGuide):
+        """A guide with one wrong attribute."""
+
+    setattr(Mine, name, value)
+    assert refused(guide=Mine()) == f"Mine.{name}"
+
+
+def test_start_past_the_end_of_the_path_is_unreachable(seed_march):
     refusal(simulate, seed_march, start=441.0, until=442.0, error=UnreachableError)
 
 

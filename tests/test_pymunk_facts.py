@@ -74,7 +74,9 @@ def test_handlers_of_both_orders_and_of_each_type_and_of_all_run_with_shapes_in_
     for handler in ((1, 2), (2, 1), (1, None), (2, None), (None, None)):
         space.on_collision(*handler, begin=called, data=handler)
     space.step(STEP)
-    both, single, (of_all,) = calls[:2], calls[2:4], calls[4:]
+    both = calls[:2]
+    single = calls[2:4]
+    (of_all,) = calls[4:]
     assert sorted(both) == [((1, 2), (1, 2)), ((2, 1), (2, 1))]
     assert sorted(single) == [((1, None), (1, 2)), ((2, None), (2, 1))]
     assert of_all[0] == (None, None)
@@ -92,7 +94,9 @@ def test_two_shapes_of_one_type_call_its_callback_twice_each_time_with_another_o
 def test_shapes_of_equal_types_change_their_order_and_the_normal_during_a_contact(shape):
     space, body, other = pair(distance=1.9, shape=shape)
     body.velocity = other.velocity = 5, 5
-    calls, first, normals = phases_of(space), [], []
+    calls = phases_of(space)
+    first = []
+    normals = []
 
     def noted(arbiter, space, data):
         first.append(arbiter.bodies[0] is body)
@@ -444,7 +448,9 @@ def test_impulses_of_springs_have_a_sign_and_those_of_other_joints_none():
     space.add(body, spring, turned, motor)
     found = []
     for rest, angle, rate in ((1, 1, 5), (3, -1, -5)):
-        spring.rest_length, turned.rest_angle, motor.rate = rest, angle, rate
+        spring.rest_length = rest
+        turned.rest_angle = angle
+        motor.rate = rate
         space.step(1e-3)
         found.append([joint.impulse / 1e-3 for joint in (spring, turned, motor)])
     assert found[0][0] == pytest.approx(-100, rel=0.01)
@@ -545,7 +551,9 @@ def test_two_threads_round_odd_iterations_up_where_there_are_more_than_fifty_joi
         steps(space, 30)
         return largest_gap(joints)
 
-    odd, even, both = gap(1, 1), gap(1, 2), gap(2, 1)
+    odd = gap(1, 1)
+    even = gap(1, 2)
+    both = gap(2, 1)
     assert abs(both - even) < abs(both - odd) / 2
 
 

@@ -396,10 +396,8 @@ def test_runs_and_states_are_equal_to_those_with_the_same_numbers_and_to_no_othe
 
 
 def test_run_and_states_cannot_be_changed_and_leave_the_givers_arrays_alone():
-    poses, provenance = (
-        np.zeros((2, 4, 3)),
-        {"player": "test", "settings": {"list": [1, 2], "text": "a"}},
-    )
+    poses = np.zeros((2, 4, 3))
+    provenance = {"player": "test", "settings": {"list": [1, 2], "text": "a"}}
     run = Run(
         march=MARCH,
         times=np.arange(2.0),
@@ -430,7 +428,9 @@ def test_run_and_states_cannot_be_changed_and_leave_the_givers_arrays_alone():
 def test_drift_of_the_head_is_that_of_the_first_twelve_benches_without_what_is_unknown():
     march = March(Dragon(benches=20))
     drift = np.zeros((2, 20))
-    drift[0, 11], drift[1, 12], drift[1, 0] = 1e-4, 2e-3, np.nan
+    drift[0, 11] = 1e-4
+    drift[1, 12] = 2e-3
+    drift[1, 0] = np.nan
     run = Run(march=march, times=[0, 1], poses=np.zeros((2, 20, 3)), drift=drift)
     assert (run.head_drift, run.max_drift) == pytest.approx((1e-4, 2e-3), rel=1e-7)
     unknown = replace(run, drift=np.full((2, 20), np.nan))

@@ -39,11 +39,13 @@ PLACE = """([x, y]) => {
 # buttons of the view.
 IN_SIGHT = """() => {
   const { centre: [x, y], size: [width, height] } = live.scene.field;
-  const corners = [[-1, -1], [1, 1]].map(([a, b]) => live.view.toScreen(x + a * width / 2, y + b * height / 2));
-  const [left, right] = corners.map(([px]) => px), [top, bottom] = corners.map(([, py]) => py).sort((a, b) => a - b);
+  // The upper left corner and the lower right one: y points up in the scene, and down on the page.
+  const [left, top] = live.view.toScreen(x - width / 2, y + height / 2);
+  const [right, bottom] = live.view.toScreen(x + width / 2, y - height / 2);
   const box = (id) => document.getElementById(id).getBoundingClientRect();
   const field = box("field"), tools = box("toolbox"), zoom = box("zoom");
-  return left >= 0 && right <= field.width && bottom <= field.height && top >= tools.bottom - field.top
+  return left >= 0 && right <= field.width
+    && top >= tools.bottom - field.top && bottom <= field.height
     && (right <= zoom.left - field.left || bottom <= zoom.top - field.top);
 }"""
 
@@ -77,7 +79,7 @@ def poses(page):
 
 def poses_of(session):
     with session.paused():
-        return session._session.scene.poses()
+        return session.session.scene.poses()
 
 
 def place(page, x, y):
@@ -88,7 +90,7 @@ def pause(page, session):
     """Pause with the space key, and wait until the page shows the last step."""
     page.keyboard.press("Space")
     wait_until(page, "!live.state.running")
-    wait_until(page, f"live.frame.step === {session._session.scene.steps}")
+    wait_until(page, f"live.frame.step === {session.session.scene.steps}")
     page.evaluate("new Promise(requestAnimationFrame)")
 
 
@@ -106,7 +108,7 @@ def wait_pulled(page, x, y):
 def log_of(session):
     """The log of a session between two steps."""
     with session.paused():
-        return session._session.log()
+        return session.session.log()
 
 
 def assert_replays(session):
@@ -144,7 +146,7 @@ def test_rod_follows_the_mouse_and_the_replay_of_saved_inputs_is_equal(browser, 
 def test_page_shows_the_largest_error_and_its_tool_cuts_the_joint_that_is_clicked(browser):
     with shown(browser, march_scene(March(Dragon(benches=60)))) as (session, page):
         pause(page, session)
-        errors = decoded(session._session.scene.frame({})).errors
+        errors = decoded(session.session.scene.frame({})).errors
         # The page draws charts ten times a second, so it may still show the value of an earlier
         # frame.
         ending = f"μm, bench {errors.argmax()}"
@@ -152,7 +154,7 @@ def test_page_shows_the_largest_error_and_its_tool_cuts_the_joint_that_is_clicke
         is_near = f"Math.abs(parseFloat({text}) - {1e6 * errors.max()}) < 1e-2"
         wait_until(page, f"{is_near} && {text}.endsWith({ending!r})")
         page.click("label:has(#tool-cut)")
-        front, _ = session._session.scene.march.dragon.holes(poses(page))
+        front, _ = session.session.scene.march.dragon.holes(poses(page))
         page.mouse.click(*place(page, *front[30]))
         wait_until(page, "live.state.cuts.length === 1")
         [cut] = page.evaluate("live.state.cuts")
@@ -305,13 +307,16 @@ def test_page_shows_keys_events_errors_and_charts_of_a_program(browser):
         assert pressed == ["down", "up"]
         page.click("text=Crash")
         page.wait_for_selector("#error")
+        # The key starts what is paused, and pauses what still runs.
+        wait_until(page, "!live.state.running")
         page.keyboard.press("Space")
         page.wait_for_selector("#error", state="hidden")
         page.click("#reset")
         page.wait_for_selector("#no-events")
         ticks = page.evaluate("""() => {
           const [quantity] = live.charts.quantities, { chart } = quantity, shown = [];
-          Object.assign(chart, { samples: [[0, 19], [0, 20]], text: (_, text) => shown.push(text) });
+          chart.samples = [[0, 19], [0, 20]];
+          chart.text = (_, text) => shown.push(text);
           quantity.draw();
           return shown;
         }""")
@@ -391,7 +396,7 @@ def test_watching_page_has_no_controls(browser):
             page.keyboard.press(key)
         wait_simulated(page, 0.3)
         assert log_of(session)["inputs"] == []
-        assert session._session.clock.running
+        assert session.session.clock.running
 
 
 def test_page_behind_a_proxy_with_a_prefix_asks_for_addresses_with_the_prefix(browser):

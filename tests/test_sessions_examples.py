@@ -176,17 +176,24 @@ def played_example(monkeypatch):
         return found
 
     monkeypatch.setattr(pygame.event, "get", noted)
-    step, sessions_open = Live.step, []
+    init = Live.__init__
+    step = Live.step
+    running = []
+
+    def begun(live, session, **options):
+        init(live, session, **options)
+        running.append(live)
+        live.played = session
+        session.clock.speed = 20.0
+
+    monkeypatch.setattr(Live, "__init__", begun)
 
     def play(name, inputs, count=lambda space: len(space.shapes)):
         before = []
         space_line, step_line, direction = CHANGED[name]
 
         def stepped(live, dt):
-            session = live._session
-            if not sessions_open:
-                sessions_open.append(live)
-                session.clock.speed = 20.0
+            session = live.played
             number = session.scene.steps - 10
             if number == 0:
                 before.append(count(session.scene.space))
@@ -205,11 +212,11 @@ def played_example(monkeypatch):
         assert changes <= 5
         with pytest.raises(ReachedStepError):
             exec(compile(source, name, "exec"), {"__name__": "__main__", "__file__": str(path)})
-        scene = sessions_open[0]._session.scene
+        scene = running[-1].played.scene
         return scene, seen, count(scene.space) - before[0]
 
     yield play
-    for live in sessions_open:
+    for live in running:
         live.stop()
 
 

@@ -156,15 +156,21 @@ def test_run_that_is_watched_equals_one_that_is_not_to_the_bit():
 # ---- the hand
 
 
-def taken(space, x, y, slip=0.1):
+def grabbed(scene, x, y, slip=0.1):
+    """The joint with which the hand holds the body that it takes at a point."""
+    before = set(scene.space.constraints)
+    scene.grab(x, y, slip)
+    [joint] = set(scene.space.constraints) - before
+    return joint
+
+
+def taken(space, x, y):
     """The body that the hand takes at a point, or None."""
-    scene = Scene(space, PlaySettings())
     try:
-        scene.grab(x, y, slip)
+        return grabbed(Scene(space, PlaySettings()), x, y).b
     except ValueError as error:
         assert_says(error, "body")
         return None
-    return scene._held.b
 
 
 def test_hand_takes_the_ball_inside_a_sensor_and_none_on_empty_ground_inside_it():
@@ -235,8 +241,7 @@ def test_hand_takes_a_box_at_its_edge_where_the_click_was(radius):
     space.add(body, pymunk.Poly.create_box(body, (2, 2), radius))
     for place in ((1.0, 0.5), (-0.5, 1.0), (1.0, 1.0), (1.0 + radius, 0.0)):
         scene = Scene(space, PlaySettings())
-        scene.grab(*place, 0.1)
-        assert scene._held.anchor_b == pytest.approx(place)
+        assert grabbed(scene, *place).anchor_b == pytest.approx(place)
         scene.drop()
 
 
@@ -246,8 +251,11 @@ def test_where_two_benches_overlap_the_hand_takes_the_one_that_the_page_points_a
         for i in range(7):
             pivot = world.pivots[i]
             x, y = pivot.b.local_to_world(pivot.anchor_b)
+            before = set(on.scene.space.constraints)
             assert on.do("grab", x=x, y=y, slip=0.0) is None
-            assert on.scene._held.b is world.bodies[i]
+            [joint] = set(on.scene.space.constraints) - before
+            assert joint.b is world.bodies[i]
+            assert on.do("drop") is None
 
 
 # ---- what a client holds is released when it leaves

@@ -57,7 +57,7 @@ def test_page_and_engine_take_the_same_body_at_every_point(browser):
     with shown(browser, source_of(mixed, PlaySettings())) as (session, page):
         page.keyboard.press("Space")
         wait_until(page, "!live.state.running")
-        scene = session._session.scene
+        scene = session.session.scene
         wait_until(page, f"live.frame.step === {scene.steps}")
         points = np.random.default_rng(1).uniform(-3.5, 3.5, (600, 2))
         with session.paused():
@@ -140,9 +140,9 @@ def posted(session, pygame, wanted):
 
 def test_buttons_and_wheel_reach_a_pygame_program_and_no_menu_opens(browser, monkeypatch):
     with playing(browser, monkeypatch) as (session, page, pygame):
-        page.evaluate(
-            "document.addEventListener('contextmenu', (event) => { globalThis.menu = event.defaultPrevented })"
-        )
+        page.evaluate("""() => document.addEventListener("contextmenu", (event) => {
+          globalThis.menu = event.defaultPrevented;
+        })""")
         page.mouse.move(*page.evaluate(PLACE, [120, 80]))
         for name, number in (("left", 1), ("middle", 2), ("right", 3)):
             page.mouse.down(button=name)

@@ -52,7 +52,7 @@ def rain(space, time):
             space.remove(body, *body.shapes)
 
 
-def test_reset_of_a_function_that_builds_the_space_repeats_the_run_to_the_bit_while_bodies_come_and_go():
+def test_reset_repeats_the_run_of_a_built_space_to_the_bit_while_bodies_come_and_go():
     with played(space_scene(build, PlaySettings(on_step=rain))) as on:
         counts, ends = set(), []
         for _ in range(2):

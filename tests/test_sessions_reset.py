@@ -100,7 +100,9 @@ def test_reset_after_a_replay_has_the_values_with_which_the_recording_began():
 
 def chain(links=20):
     """A chain that falls from a horizontal line, without contacts."""
-    space, before, hole = pymunk.Space(), None, (0.0, 0.0)
+    space = pymunk.Space()
+    before = None
+    hole = (0.0, 0.0)
     space.gravity = 0, -9.81
     for link in range(links):
         body = pymunk.Body(1, 0.01)
@@ -165,15 +167,15 @@ def test_given_space_that_flew_apart_begins_anew():
 def everything():
     """A space with a part of each kind, by names."""
     space = pymunk.Space()
-    a, b, hook = pymunk.Body(2, 3), pymunk.Body(1, 1), pymunk.Body(body_type=pymunk.Body.KINEMATIC)
+    a = pymunk.Body(2, 3)
+    b = pymunk.Body(1, 1)
+    hook = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
     fixed, heavy = pymunk.Body(body_type=pymunk.Body.STATIC), pymunk.Body()
-    a.position, b.position, heavy.position, fixed.position, a.angle = (
-        (1, 2),
-        (9, 2),
-        (5, 9),
-        (30, 30),
-        0.3,
-    )
+    a.position = (1, 2)
+    b.position = (9, 2)
+    heavy.position = (5, 9)
+    fixed.position = (30, 30)
+    a.angle = 0.3
     a.center_of_gravity = 0.1, 0.2
     circle, segment = pymunk.Circle(a, 0.5, (0.1, 0)), pymunk.Segment(fixed, (0, 0), (1, 0), 0.1)
     polygon, ball = pymunk.Poly.create_box(b, (1, 1), 0.01), pymunk.Circle(heavy, 1)
@@ -423,8 +425,7 @@ def test_callbacks_of_a_built_space_are_not_called_when_it_is_built_again_or_the
             assert on.do(message.pop("do"), **message) is None
             gc.collect()
         on.step(20)
-        on.session.stop()
-        on.session._thread.join(PATIENCE)
+        on.wait_for_end()
         del on.session.scene
         gc.collect()
     assert called == []
@@ -446,7 +447,9 @@ def test_subclasses_of_pymunks_classes_get_their_state_back_without_their_constr
     space = pymunk.Space()
     rope = Rope(space)
     with played(space) as on:
-        rope.distance, rope.rest, rope.a.position = 3, 4, (9, 9)
+        rope.distance = 3
+        rope.rest = 4
+        rope.a.position = (9, 9)
         assert on.do("reset") is None
         assert (rope.distance, rope.rest, rope.a.position) == (1, 3, (0, 0))
         assert len(space.bodies) == 2
@@ -568,8 +571,13 @@ class Failing:
 
 
 def test_session_goes_on_after_an_error_in_each_function_of_the_users():
-    builds, steps, presses, moves = Failing(lambda: falling(2)), Failing(), Failing(), Failing()
-    ups, begins, plots = Failing(), Failing(), Failing(lambda: 3.0)
+    builds = Failing(lambda: falling(2))
+    steps = Failing()
+    presses = Failing()
+    moves = Failing()
+    ups = Failing()
+    begins = Failing()
+    plots = Failing(lambda: 3.0)
     events = []
 
     def make():
@@ -747,5 +755,5 @@ def test_no_body_sleeps_in_a_space_that_is_discarded():
             assert not any(body.is_sleeping for body in discarded[-1].bodies)
         on.step(30)
         discarded.append(on.scene.space)
-    on.session._thread.join(PATIENCE)
+        on.wait_for_end()
     assert not any(body.is_sleeping for body in discarded[-1].bodies)

@@ -13,7 +13,6 @@ import shapely
 from conftest import NO_NUMBERS, assert_says, refusal
 from PIL import Image
 from study_answers import answer as shared_answer
-from study_answers import slopes_by_width
 
 from pymunk_dragon import Dragon, March, Spiral, first_contact, min_pitch, sensitivity
 from pymunk_dragon.studies import STUDIES, Result, Study
@@ -127,13 +126,16 @@ def test_impossible_sizes_are_refused_by_name():
 # Sensitivity
 
 
+# As many benches as the smallest pitch depends on.
+SHORT = 20
+
+
 @pytest.fixture(
-    scope="module",
-    params=["by the width", pytest.param("by all sizes", marks=pytest.mark.thorough)],
+    scope="module", params=[SHORT, pytest.param(Dragon().benches, marks=pytest.mark.thorough)]
 )
 def sensed(request):
-    make = sensitivity if request.param == "by all sizes" else slopes_by_width
-    return shared_answer(f"sensitivity {request.param}", make)
+    dragon = Dragon(benches=request.param)
+    return shared_answer(f"sensitivity of {request.param} benches", lambda: sensitivity(dragon))
 
 
 def test_slopes_are_those_of_fifty_digits(sensed):
@@ -160,12 +162,13 @@ def test_slopes_are_those_of_fifty_digits(sensed):
     assert f"{sensed.pitches['width']:+.7f}" in str(sensed)
 
 
+@pytest.mark.thorough
 def test_where_other_benches_touch_within_a_step_there_is_no_derivative():
-    """At the first of these widths the head first touches bench 8, at the second one bench 11."""
-    widths = (0.3009735, 0.3009745)
-    found = [first_contact(March(Dragon(benches=25, width=width))).benches for width in widths]
-    assert found == [(0, 8), (0, 11)]
-    assert slopes_by_width(width=widths[0]).times["width"] is None
+    narrower = Dragon(benches=SHORT, width=0.3009735)
+    wider = replace(narrower, width=0.3009745)
+    assert first_contact(March(narrower)).benches == (0, 8)
+    assert first_contact(March(wider)).benches == (0, 11)
+    assert sensitivity(narrower).times["width"] is None
 
 
 @pytest.mark.thorough

@@ -196,14 +196,12 @@ def test_program_writes_the_table_or_prints_it_only_whatever_functions_print(tmp
 
 
 class Case:
-    """A sweep of six points whose evaluations are counted, of which four end before it is interrupted."""
+    """A sweep of six points, interrupted after four; evaluations are counted."""
 
     def __init__(self, folder):
-        self.out, self.partial, self.log = (
-            folder / "map.csv",
-            folder / "map.csv.partial",
-            f"{folder}.log",
-        )
+        self.out = folder / "map.csv"
+        self.partial = folder / "map.csv.partial"
+        self.log = f"{folder}.log"
 
     def run(self, **options):
         Path(self.log).write_text("")
@@ -397,7 +395,7 @@ KEPT = " of 12 points are in map.csv.partial"
 
 @contextmanager
 def program(folder, *arguments, command=SWEEP):
-    """The program that sweeps in a folder, in a process group of its own as a shell in a terminal has it."""
+    """The program that sweeps in a folder; its process group is its own, as in a terminal."""
     environment = ENVIRONMENT | {"SWEEP_LOG": str(folder / "points.log")}
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     running = subprocess.Popen(
@@ -468,11 +466,23 @@ def test_signal_keeps_the_partial_table_and_waits_for_no_point(tmp_path, number,
     assert_resumed(tmp_path, "--workers", "1")
 
 
+INTERRUPTED_WAIT = """
+import concurrent.futures, signal
+import pymunk_dragon.__main__
+
+def wait(futures, **options):
+    for each in futures:
+        each._condition.acquire()
+    signal.raise_signal(signal.SIGINT)
+
+concurrent.futures.wait = wait
+pymunk_dragon.__main__.main()
+"""
+
+
 def test_two_points_end_at_ctrl_c_while_their_workers_start_or_evaluate_them(tmp_path):
     # An interruption in `concurrent.futures.wait` leaves futures locked.
-    code = "import concurrent.futures as c, signal, pymunk_dragon.__main__ as m; c.wait = lambda futures, **_: "
-    code += "([each._condition.acquire() for each in futures], signal.raise_signal(signal.SIGINT)); m.main()"
-    command = [PYTHON, "-c", code, *SWEEP[3:]]
+    command = [PYTHON, "-c", INTERRUPTED_WAIT, *SWEEP[3:]]
     for state in (workers, lambda running: begun(tmp_path) == [8, 9]):
         (tmp_path / "points.log").write_text("")
         with program(tmp_path, "--axis", "x=8,9", "--workers", "2", command=command) as running:
@@ -498,7 +508,8 @@ def test_killed_worker_ends_the_sweep_and_killed_program_its_workers(tmp_path, k
 
 
 def test_python_that_cannot_be_executed_is_an_error(tmp_path):
-    code = "import multiprocessing, pymunk_dragon.__main__ as m; multiprocessing.set_executable('/none'); m.main()"
+    code = "import multiprocessing, pymunk_dragon.__main__ as m;"
+    code += " multiprocessing.set_executable('/none'); m.main()"
     with program(tmp_path, *TWELVE, command=[PYTHON, "-c", code, *SWEEP[3:]]) as running:
         assert_ended(running, 1, "/none")
     assert os.listdir(tmp_path) == []
@@ -506,7 +517,8 @@ def test_python_that_cannot_be_executed_is_an_error(tmp_path):
 
 CLUSTER = """
 import distributed, threading
-with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address='127.0.0.1:0') as cluster:
+options = {"threads_per_worker": 1, "dashboard_address": "127.0.0.1:0"}
+with distributed.LocalCluster(n_workers=2, **options) as cluster:
     print(cluster.scheduler_address, flush=True)
     threading.Event().wait()
 """

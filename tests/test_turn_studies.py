@@ -148,7 +148,9 @@ def test_contests_sheet_has_all_times_from_before_the_circle_to_after_it(call, t
 def test_the_ratio_at_the_limit_is_the_one_in_many_digits(limit):
     """And neither a millimetre before nor one after is it larger: the moment is right as well."""
     with mp.workdps(DIGITS):
-        truth, spacings, tiny = exact_turn(), limit.dragon.spacings[: limit.handle], mp.mpf("1e-15")
+        truth = exact_turn()
+        spacings = limit.dragon.spacings[: limit.handle]
+        tiny = mp.mpf("1e-15")
 
         def ratio(way):
             before, after = (

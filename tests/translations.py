@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import json
 import re
+import tomllib
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
@@ -13,7 +14,6 @@ from bs4 import BeautifulSoup, Tag
 from pymunk_dragon._language import texts
 from pymunk_dragon.drawing.figures import FIGURES
 from pymunk_dragon.lessons import LESSONS
-from pymunk_dragon.lessons._framework.lesson import _chinese
 from pymunk_dragon.sessions.scenes import SCENES
 from pymunk_dragon.studies import STUDIES
 from pymunk_dragon.sweeps.quantities import QUANTITIES
@@ -113,6 +113,7 @@ others = others.union(
 )
 report("text", wanted | (others & set(texts("zh"))), texts("zh"))
 
-report("texts of lesson", LESSONS, _chinese())
-for name, found in _chinese().items():
+translated = tomllib.loads((PACKAGE / "lessons" / "zh.toml").read_text(encoding="utf-8"))["lessons"]
+report("texts of lesson", LESSONS, translated)
+for name, found in translated.items():
     report(f"text of lesson {name}", LESSONS[name].texts, found)

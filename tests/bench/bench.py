@@ -55,8 +55,10 @@ from pymunk_dragon.player import write_player
 from pymunk_dragon.studies import max_speed, min_pitch
 from pymunk_dragon.sweeps import sweep
 
-# Pixels of a picture, and frames a second of a film.
-SIZE, FPS = 640, 20
+# Pixels of a picture.
+SIZE = 640
+# Frames a second of a film.
+FPS = 20
 
 
 def answers() -> None:
@@ -82,12 +84,10 @@ def answers() -> None:
         question: str, ours: Callable[[], Any], theirs: Callable[[], mp.mpf], method: str
     ) -> None:
         begin = time.perf_counter()
-        one, between, other, end = (
-            mp.mpf(ours()),
-            time.perf_counter(),
-            theirs(),
-            time.perf_counter(),
-        )
+        one = mp.mpf(ours())
+        between = time.perf_counter()
+        other = theirs()
+        end = time.perf_counter()
         decimals = int(-mp.log10(max(abs(one - other), mp.mpf("1e-16"))))
         shown = f"{mp.nstr(one, 13)} | {mp.nstr(other, 13)} | {decimals} | {between - begin:.2f}"
         print(f"| {question} | {shown} | {method}, {end - between:.1f} |", flush=True)
@@ -131,7 +131,9 @@ def answers() -> None:
 
 def largest_speed() -> mp.mpf:
     """The ratio at its top, where it is as large a little before as a little behind."""
-    path, spacings, tiny = exact_curves.u_turn(), Dragon().spacings[:3], mp.mpf("1e-12")
+    path = exact_curves.u_turn()
+    spacings = Dragon().spacings[:3]
+    tiny = mp.mpf("1e-12")
 
     def ratio(way: mp.mpf) -> mp.mpf:
         before, after = (
@@ -153,7 +155,9 @@ def plain_recursion(times: Array) -> tuple[Array, Array]:
     Newton's method (paper, eq. 10-15) on the angle between two handles begins at the angle between
     the two before.
     """
-    dragon, k, start = Dragon(), 0.55 / (2 * np.pi), 32 * np.pi
+    dragon = Dragon()
+    k = 0.55 / (2 * np.pi)
+    start = 32 * np.pi
     arc = start * np.hypot(start, 1) + np.arcsinh(start) - 2 * times / k
     front = np.sqrt(arc)
     for _ in range(4):
@@ -164,10 +168,14 @@ def plain_recursion(times: Array) -> tuple[Array, Array]:
     for i, chord in enumerate(dragon.spacings / k):
         turn = chord / np.hypot(front, 1) if i < 2 else turn - turn * turn / front
         for _ in range(3 if i > 1 else 6):
-            rear, cosine, product = front + turn, np.cos(turn), front * (front + turn)
+            rear = front + turn
+            cosine = np.cos(turn)
+            product = front * (front + turn)
             error = rear * rear + front * front - 2 * product * cosine - chord * chord
             turn = turn - error / (2 * (rear - front * cosine + product * np.sin(turn)))
-        rear, cosine, both = front + turn, np.cos(turn), front * (front + turn) * np.sin(turn)
+        rear = front + turn
+        cosine = np.cos(turn)
+        both = front * (front + turn) * np.sin(turn)
         ratio = (rear * cosine - front + both) / (rear - front * cosine + both)
         speeds[i + 1] = speeds[i] * ratio * np.sqrt((1 + rear * rear) / (1 + front * front))
         angles[i + 1] = front = rear
@@ -207,7 +215,9 @@ def gaps(first: Array, last: Array, shares: Array) -> Array:
 
 def advanced(first: Array, last: Array) -> Array:
     """Share of the way to each contact, or infinity, by conservative advancement to 0.1 mm."""
-    moves, shares, left = last - first, np.zeros(len(first)), np.arange(len(first))
+    moves = last - first
+    shares = np.zeros(len(first))
+    left = np.arange(len(first))
     most = np.hypot(*(moves[:, 1] - moves[:, 0])[:, :2].T)
     most += np.hypot(BOX.lengths[0], BOX.widths[0]) / 2 * np.abs(moves[..., 2]).sum(axis=1)
     while left.size:
@@ -221,10 +231,8 @@ def time_of_impact() -> None:
     """Contacts that Box2D misses or finds late (`renders/guides/certificate.md`)."""
     import Box2D  # Not for every Python.
 
-    shape, random = (
-        Box2D.b2PolygonShape(box=(BOX.lengths[0] / 2, BOX.widths[0] / 2)),
-        np.random.default_rng(1),
-    )
+    shape = Box2D.b2PolygonShape(box=(BOX.lengths[0] / 2, BOX.widths[0] / 2))
+    random = np.random.default_rng(1)
 
     def impact(first: Array, last: Array) -> float:
         one, other = (
@@ -241,33 +249,27 @@ def time_of_impact() -> None:
         )
 
     cases, count = sized(20_000, 200), sized(501, 21)
-    print(
-        "| turn up to, rad | contacts deeper than 20 mm | missed by Box2D | late | missed by advancement |"
-    )
+    heads = ["turn up to, rad", "contacts deeper than 20 mm", "missed by Box2D", "late"]
+    print("|", " | ".join([*heads, "missed by advancement"]), "|")
     for turn in (0.0, 0.5, 1.0, 1.57, 3.0):
         first = np.zeros((cases, 2, 3))
-        first[:, 1, :2], first[..., 2] = (
-            random.uniform(-3, 3, (cases, 2)),
-            random.uniform(0, 2 * np.pi, (cases, 2)),
-        )
+        first[:, 1, :2] = random.uniform(-3, 3, (cases, 2))
+        first[..., 2] = random.uniform(0, 2 * np.pi, (cases, 2))
         last = first + random.uniform(-1, 1, first.shape) * (1, 1, turn)
         samples = np.stack(
             [gaps(first, last, np.full(cases, share)) for share in np.linspace(0, 1, count)]
         )
         deep = (samples[0] > 0.03) & (samples.min(axis=0) < -0.02)
-        first, last, begins = (
-            first[deep],
-            last[deep],
-            (samples[:, deep] <= 0).argmax(axis=0) / (count - 1),
-        )
+        first = first[deep]
+        last = last[deep]
+        begins = (samples[:, deep] <= 0).argmax(axis=0) / (count - 1)
         theirs = np.array(
             [impact(*case) for case in zip(first.tolist(), last.tolist(), strict=True)]
         )
         missed, late = np.isinf(theirs), np.isfinite(theirs) & (theirs > begins + 0.01)
         ours = (advanced(first, last) > begins).sum()
-        print(
-            f"| {turn} | {deep.sum()} | {missed.sum()}, {missed.mean():.1%} | {late.sum()} | {ours} |"
-        )
+        share = f"{missed.sum()}, {missed.mean():.1%}"
+        print(f"| {turn} | {deep.sum()} | {share} | {late.sum()} | {ours} |")
 
 
 def engine() -> None:
@@ -276,8 +278,10 @@ def engine() -> None:
     found = played.to_dict()
     late = played.first_contact.time - exact if played.first_contact else np.nan
     print(
-        f"{found['realtime_factor']:.1f} times real time, driver {found['driver_overhead']:.2f} of the steps, "
-        f"drift {1e3 * played.head_drift:.4f} mm and {1e3 * played.max_drift:.4f} mm, contact {1e3 * late:+.3f} ms late"
+        f"{found['realtime_factor']:.1f} times real time, "
+        f"driver {found['driver_overhead']:.2f} of the steps, "
+        f"drift {1e3 * played.head_drift:.4f} mm and {1e3 * played.max_drift:.4f} mm, "
+        f"contact {1e3 * late:+.3f} ms late"
     )
     with tempfile.TemporaryDirectory() as folder:
         write_player(played, path := Path(folder, "run.html"))
@@ -358,7 +362,9 @@ def matplotlib_animation(run: Run, film: Film, path: Path) -> None:
 
 def film() -> None:
     """GIF of 300 frames of 640 x 640 pixels (`drawing`)."""
-    count, start, step = sized(300, 4), 100.0, 0.5
+    count = sized(300, 4)
+    start = 100.0
+    step = 0.5
     times = start + step * np.arange(count)
     run = Run.exact(March(), times)
     film = Film(

@@ -30,15 +30,22 @@ from live_sessions import SocketClient, joined
 from pymunk_dragon.sessions import Slider, live
 from pymunk_dragon.sessions.scenes import _boxes
 
-CLIENTS, SECONDS = sized((20, 600.0), (2, 6.0))
-OBSTACLES, RESETS = 30, 20
+# Clients of the soak test.
+CLIENTS = sized(20, 2)
+# Length of the soak test, s.
+SECONDS = sized(600.0, 6.0)
+# Obstacles in the soak test.
+OBSTACLES = 30
+# Resets in the soak test.
+RESETS = 20
 # Frames before a measurement, and measured.
 FRAMES = sized(600, 30)
 # Where on the page the centre of a box is.
 BOX = """() => {
   const { points } = live.frame.calls.filter(({ grip }) => grip > 0).at(-1);
   const { left, top } = document.getElementById("field").getBoundingClientRect();
-  const [x, y] = live.view.toScreen(...[0, 1].map((k) => points.reduce((sum, one) => sum + one[k] / points.length, 0)));
+  const mean = (k) => points.reduce((sum, one) => sum + one[k] / points.length, 0);
+  const [x, y] = live.view.toScreen(mean(0), mean(1));
   return [left + x, top + y];
 }"""
 RESTS = "(([x, y, u, v]) => Math.hypot(x - u, y - v) < 0.01)(live.frame.held)"

@@ -19,10 +19,14 @@ from browser import chromium, opened
 
 from pymunk_dragon import live
 
-BENCH, PULL = 190, 7.0  # the bench that is pulled, and how far outward, m
+# The bench that is pulled.
+BENCH = 190
+# How far outward, m.
+PULL = 7.0
 ARROW = np.array([(0, 0), (0, 17), (4, 13), (7, 20), (10, 19), (7, 12), (12, 12)])  # pixels
 PLACE = """([bench, out]) => {
-  const [x, y] = live.frame.poses.slice(3 * bench, 3 * bench + 2), share = 1 + out / Math.hypot(x, y);
+  const [x, y] = live.frame.poses.slice(3 * bench, 3 * bench + 2);
+  const share = 1 + out / Math.hypot(x, y);
   const { left, top } = document.getElementById("field").getBoundingClientRect();
   const at = live.view.toScreen(share * x, share * y);
   return [left + at[0], top + at[1]];
@@ -33,7 +37,9 @@ def act(page: Page, moves: list[Any]) -> None:
     """Pull a bench, release it, quicken the head; note time, place and button of each move."""
 
     def glide(to: list[float], seconds: float, down: bool = False) -> None:
-        begin, start, share = time.time(), moves[-1][1], 0.0
+        begin = time.time()
+        start = moves[-1][1]
+        share = 0.0
         while share < 1:
             share = min((time.time() - begin) / seconds, 1.0)
             place = start + (1 - math.cos(math.pi * share)) / 2 * (np.array(to) - start)

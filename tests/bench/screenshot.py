@@ -17,7 +17,9 @@ from browser import chromium, opened
 
 from pymunk_dragon._language import font, in_language
 
-WIDTH, HEIGHT = 1200, 750
+# Size of the window, pixels.
+WIDTH = 1200
+HEIGHT = 750
 
 if __name__ == "__main__":
     page_file, shown, picture, *sliders = sys.argv[1:]

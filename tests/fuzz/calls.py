@@ -121,21 +121,19 @@ def turn(**arguments):
         return dragons.u_turn(**arguments)
 
 
-FLOAT, WHOLE, OPTIONAL, COUNT = (
-    (1.0, "number"),
-    (2, "int"),
-    (None, "number none"),
-    (None, "int none"),
-)
-ARRAY, TEXT, FLAG, PROGRESS = (
-    ([0.0, 1.0], "array"),
-    ("x", "text"),
-    (True, "bool"),
-    (None, "function none"),
-)
+FLOAT = (1.0, "number")
+WHOLE = (2, "int")
+OPTIONAL = (None, "number none")
+COUNT = (None, "int none")
+ARRAY = ([0.0, 1.0], "array")
+TEXT = ("x", "text")
+FLAG = (True, "bool")
+PROGRESS = (None, "function none")
 TIMES = ([0.0, 0.5], "array")
 PAIR = ((1.0, 2.0), "array list")
-ONE_MARCH, ONE_RUN, ONE_DRAGON = (MARCH, ""), (RUN, ""), (DRAGON, "none")
+ONE_MARCH = (MARCH, "")
+ONE_RUN = (RUN, "")
+ONE_DRAGON = (DRAGON, "none")
 SIZES = (0.25, "number list array")
 S = ([6.0, 7.0], "array")
 

@@ -98,10 +98,12 @@ COMMANDS = [
     "positions --benches 5 --times 0,1 -o new.csv",
     "contact --until 5 --benches 5",
     "contact --until 5 --method grid --step 0.5 --benches 5 -o old.json",
-    "simulate --until 0.1 --substep 0.01 --iterations 20 --frame-interval 0.05 --benches 4 -o new.npz",
+    "simulate --until 0.1 --substep 0.01 --iterations 20 --frame-interval 0.05 --benches 4"
+    " -o new.npz",
     "simulate --until 0.1 --from -0.1 --guide none --contacts report --iterations 60 --benches 4",
     "render run.npz --size 64x80 --fps 2 --speedup 5 --camera head --span 3 --hold 1 -o old.gif",
-    "render exact.npz run.npz --size 64 --velocities --grid --contacts --title T --caption C --lang zh -o new.png",
+    "render exact.npz run.npz --size 64 --velocities --grid --contacts --title T --caption C"
+    " --lang zh -o new.png",
     "render --until 1 --size 64 --fps 2 --exact --benches 4 -o new.gif",
     "render run.npz -o new.html",
     "render run.npz run.npz --exact -o new.png --size 64x64",
@@ -158,15 +160,19 @@ CURVES = [
     '{kind = "arc", radius = 9, sweep = 3, centre = [1, 2], begin_angle = 0.5}',
     '{kind = "spiral", pitch = 0.6, rotation = 1, outward = false}',
     '{kind = "u-turn", pitch = 1.7, radius = 4.5, ratio = 2}',
-    '{kind = "reversed", curve = {kind = "section", begin = 1, end = 30, curve = {kind = "line", stop = [40, 0]}}}',
-    '{kind = "composite", pieces = [{kind = "line", stop = [9, 0]}, {kind = "line", start = [9, 0], stop = [30, 0]}]}',
+    '{kind = "reversed", curve = {kind = "section", begin = 1, end = 30,'
+    ' curve = {kind = "line", stop = [40, 0]}}}',
+    '{kind = "composite", pieces = [{kind = "line", stop = [9, 0]},'
+    ' {kind = "line", start = [9, 0], stop = [30, 0]}]}',
     '{kind = "sampled", points = [[0, 0], [10, 0], [20, 4], [30, 5]]}',
     '"t.csv"',
 ]
 SCENARIOS = [
     *(f"benches = 3\nhead_spacing = 1\nbody_spacing = 1.5\ncurve = {curve}\n" for curve in CURVES),
-    "benches = 4\noverhang = [0.1, 0.2]\nwidth = 0.2\npitch = 0.6\nturns = 9\nspeed = [[0, 1], [5, 2]]\n",
-    "benches = 5\nbody_spacing = [1.5, 2]\ncurve = 'u-turn'\nradius = 5\nratio = 2\nstart_s = -9\nspeed = 2\n",
+    "benches = 4\noverhang = [0.1, 0.2]\nwidth = 0.2\npitch = 0.6\nturns = 9\n"
+    "speed = [[0, 1], [5, 2]]\n",
+    "benches = 5\nbody_spacing = [1.5, 2]\ncurve = 'u-turn'\nradius = 5\nratio = 2\n"
+    "start_s = -9\nspeed = 2\n",
 ]
 TABLES = ["x,y\n0,0\n10,0\n20,4\n30,5\n", "0,1\n5,2\n10,1.5\n"]
 TABLES += ["t;v\r\n0;1\r\n5;2\r\n", "\ufeff1 , 2\n\n3 ,4\n5, 6\n8,1"]
@@ -344,10 +350,8 @@ def outcome(arguments):
     def stop(*_):
         raise RuntimeError(f"more than {MAX_SECONDS} s of processor time")
 
-    out, err = (
-        io.TextIOWrapper(io.BytesIO(), "utf-8"),
-        io.TextIOWrapper(io.BytesIO(), "utf-8", "backslashreplace"),
-    )
+    out = io.TextIOWrapper(io.BytesIO(), "utf-8")
+    err = io.TextIOWrapper(io.BytesIO(), "utf-8", "backslashreplace")
     signal.signal(signal.SIGVTALRM, stop)
     signal.setitimer(signal.ITIMER_VIRTUAL, MAX_SECONDS)
     try:
