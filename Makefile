@@ -212,8 +212,8 @@ lint: $(VENV)/tools $(if $(NODE),$(SCRIPT_TOOLS))
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/python tests/translations.py
-	! grep -rnE '.{121}' pymunk_dragon renders/templates --include=*.html --include=*.css \
-	  --include=*.j2 --include=*.jinja2
+	! LC_ALL=C.UTF-8 grep -rnE '.{101}' pymunk_dragon renders/templates --include=*.html --include=*.js \
+	  --include=*.css --include=*.j2 --include=*.jinja2
 	$(if $(NODE),npm run --prefix tests/node --silent lint,$(NO_NODE))
 
 bench: $(VENV)/tools ## measure the figures that README and the documentation quote

@@ -1,4 +1,4 @@
-# %% [markdown] order=110 scene="tension" view=[-24,0,54,10] axes="joint, from head to tail|force (N)"
+# %% [markdown] order=110 scene="tension" view=[-24,0,54,10] axes="joint, head to tail|force (N)"
 # # Which joint breaks first?
 # A head pulls 24 benches of 10 kg along a straight line, always at 1 m/s, and the ground drags at
 # each of them: alone it would lose half of its speed in a second. Which joint has the most to
@@ -100,7 +100,7 @@ for name, kept, dancers in [
     for joint in (0, 1, 12, 23):
         print(f"   joint {joint:2d}: {force[joint]:5.1f} N", end="")
     print()
-plt.xlabel("joint, from head to tail")
+plt.xlabel("joint, head to tail")
 plt.ylabel("force (N)")
 plt.legend()
 plt.savefig("tension.png", bbox_inches="tight")
