@@ -424,7 +424,11 @@ def test_title_has_the_longest_lines_that_fit():
 def test_work_for_a_title_of_one_word_grows_with_its_length_only(monkeypatch):
     measured = []
     getbbox = ImageFont.FreeTypeFont.getbbox
-    counted = lambda font, text, *more: measured.append(len(text)) or getbbox(font, text, *more)  # noqa: E731
+
+    def counted(font, text, *more):
+        measured.append(len(text))
+        return getbbox(font, text, *more)
+
     monkeypatch.setattr(ImageFont.FreeTypeFont, "getbbox", counted)
     sums = []
     for length in (500, 4000):

@@ -36,7 +36,8 @@ class Block(NamedTuple):
     @property
     def choices(self) -> list[str]:
         """The choices: what stands before the colon."""
-        return [re.split("[:：]", item)[0].strip("*") for item in self.items]  # noqa: RUF001  # A Chinese colon.
+        # The second one is the Chinese colon.
+        return [re.split("[:：]", item)[0].strip("*") for item in self.items]  # noqa: RUF001
 
     @property
     def right(self) -> int:

@@ -46,6 +46,11 @@ def _part(part: str) -> str:
 
 def plain(text: str) -> str:
     """A text for a terminal, with formulas in Unicode."""
+    return re.sub(r"\$([^$]*)\$", lambda found: _unicode(found[1]), text)
+
+
+def _unicode(formula: str) -> str:
+    """A formula in characters of Unicode."""
     for pattern, character in UNICODE:
-        text = re.sub(r"\$[^$]*\$", lambda found: re.sub(pattern, character, found[0]), text)  # noqa: B023  # Called at once.
-    return text.replace("$", "")
+        formula = re.sub(pattern, character, formula)
+    return formula
