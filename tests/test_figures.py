@@ -2,6 +2,7 @@
 
 import re
 import sys
+from dataclasses import replace
 from functools import cache
 from itertools import combinations
 
@@ -15,9 +16,19 @@ from matplotlib.colors import to_hex
 from PIL import Image
 from sharing import shared_run
 
-from pymunk_dragon import Dragon, March, Run, max_speed, min_pitch, simulate, u_turn
+from pymunk_dragon import (
+    Dragon,
+    March,
+    NearMiss,
+    Run,
+    first_contact,
+    max_speed,
+    min_pitch,
+    simulate,
+    u_turn,
+)
 from pymunk_dragon._language import in_language
-from pymunk_dragon.drawing.figures import FIGURES, figure, write_figure
+from pymunk_dragon.drawing.figures import FIGURES, figure, style, write_figure
 from pymunk_dragon.drawing.palette import Palette
 
 CHARTS = [name for name, kind in FIGURES.items() if not kind.still]
@@ -191,6 +202,13 @@ def test_drift_and_impulses_are_those_of_the_run():
         np.testing.assert_allclose(
             line(drawn("impulses"), f"impulse-{rank}")[1], played.joint_forces[frame]
         )
+
+
+def test_drift_shows_a_smallest_gap_of_0(monkeypatch):
+    touching = NearMiss(time=run().times[-1], benches=(0, 2), gap=0.0)
+    result = replace(first_contact(run().march), near_misses=(touching,))
+    monkeypatch.setattr(style, "first_contact", lambda march, **window: result)
+    assert artist(figure("drift", run()), "smallest-gap").get_label() == "smallest gap: 0.0 m"
 
 
 def test_only_the_picture_of_the_collision_shows_a_contact(tmp_path, monkeypatch):

@@ -338,13 +338,16 @@ def _drift(source: FigureSource) -> Figure:
     # An engine with a position error as large as the smallest gap can find the wrong first contact.
     begin, end = run.times[[0, -1]]
     misses = source.hit.near_misses or ()
-    gap = min((miss.gap for miss in misses if begin <= miss.time <= end), default=0.0)
-    if gap:
+    gaps = [miss.gap for miss in misses if begin <= miss.time <= end]
+    high = 10.0 ** np.ceil(np.log10(run.max_drift))
+    low = 1e-4 * high
+    if gaps:
+        gap = min(gaps)
+        high = max(high, 2 * gap)
         note = text("smallest gap: {}").format(metres(gap))
         dots: dict[str, Any] = {"color": COLOURS.ink, "lw": 1.2, "ls": ":"}
         axes.axhline(gap, gid="smallest-gap", label=note, **dots)
-    high = 10.0 ** np.ceil(np.log10(run.max_drift))
-    logarithmic(axes, "m", 1e-4 * high, max(high, 2 * gap))
+    logarithmic(axes, "m", low, high)
     axes.set(xlim=(begin, end), xlabel=text("time (s)"))
     axes.legend(**BESIDE)
     return figure
