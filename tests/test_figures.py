@@ -14,6 +14,7 @@ from conftest import assert_says, refusal
 from marches import ARM, TRACTOR, U_TURN
 from matplotlib.colors import to_hex
 from PIL import Image
+from PIL.ImageColor import getrgb
 from sharing import shared_run
 
 from pymunk_dragon import (
@@ -219,7 +220,8 @@ def test_only_the_picture_of_the_collision_shows_a_contact(tmp_path, monkeypatch
         with Image.open(tmp_path / f"{name}.png") as picture:
             pixels = np.asarray(picture.convert("RGB"))
         counts[name] = [
-            np.all(pixels == Palette().rgb(part), axis=-1).sum() for part in ("body", "contact")
+            np.all(pixels == getrgb(getattr(Palette(), part)), axis=-1).sum()
+            for part in ("body", "contact")
         ]
     assert counts["outer-loop"][1] == counts["inward"][1] == 0
     # Bench 8 is as long as 13 others, which are blue as far as they are in sight.

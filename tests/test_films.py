@@ -12,6 +12,7 @@ import pytest
 from conftest import refusal
 from marches import ARM, TRACTOR
 from PIL import Image, ImageFont, features
+from PIL.ImageColor import getrgb
 
 from pymunk_dragon import (
     Camera,
@@ -487,7 +488,7 @@ def shown(source, time, film):
 
 def count(picture, name):
     """How many pixels of a picture have a colour of the palette."""
-    return int(np.all(picture == np.rint(COLOURS.rgb(name)), axis=-1).sum())
+    return int(np.all(picture == getrgb(getattr(COLOURS, name)), axis=-1).sum())
 
 
 def near(picture, xy, size=1):
@@ -528,7 +529,10 @@ def test_no_two_bench_colours_look_alike_to_anyone_or_in_grey():
         ),
     }
     colours = np.array(
-        [COLOURS.rgb(name) for name in ("head", "body", "tail", "contact", "background")]
+        [
+            getrgb(getattr(COLOURS, name))
+            for name in ("head", "body", "tail", "contact", "background")
+        ]
     )
     for vision, matrix in visions.items():
         seen = 255 * np.clip((colours / 255) ** 2.2 @ matrix.T, 0, 1) ** (1 / 2.2)
@@ -559,7 +563,7 @@ def test_bad_cameras_marks_and_times_are_refused(run, tmp_path):
 def test_camera_stays_above_the_head_or_shows_every_bench(run):
     for time in (0.0, 3.3, 10.0):
         picture, _ = shown(run, time, Film(size=200, camera=HEAD))
-        np.testing.assert_array_equal(picture[100, 100], np.rint(COLOURS.rgb("head")))
+        np.testing.assert_array_equal(picture[100, 100], getrgb(COLOURS.head))
         _, place = shown(run, time, Film(size=(300, 200)))
         corners = place(MARCH.dragon.outlines(run.poses_at([time])[0])).reshape(-1, 2)
         assert np.all((corners > 0) & (corners < (300, 200)))
@@ -582,7 +586,7 @@ def test_legend_and_scale_bar_are_below_the_picture(texts):
     assert {"head", "body", "1 m", "head 1.00 m/s"} <= set(texts)
     assert not {"in contact", "tail"} & set(texts)  # neither is in view
     # The longest horizontal line of the strip, with its ends, is as long as it says.
-    strip = np.all(with_legend[480:] == np.rint(COLOURS.rgb("ink")), axis=-1)
+    strip = np.all(with_legend[480:] == getrgb(COLOURS.ink), axis=-1)
     longest = max(
         len(run) for row in strip for run in "".join(" x"[int(pixel)] for pixel in row).split()
     )

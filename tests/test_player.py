@@ -21,6 +21,7 @@ from hypothesis.extra.numpy import arrays
 from marches import ARM, TRACTOR, U_TURN
 from nbformat.v4 import new_code_cell, new_notebook
 from PIL import Image
+from PIL.ImageColor import getrgb
 from shapely import LineString, points
 
 from pymunk_dragon import Contact, Dragon, March, Run, first_contact, player_page, write_player
@@ -297,7 +298,7 @@ def opened(png):
 
 
 def has(picture, part):
-    return np.any(np.all(np.asarray(picture) == Palette().rgb(part), axis=-1))
+    return np.any(np.all(np.asarray(picture) == getrgb(getattr(Palette(), part)), axis=-1))
 
 
 def test_run_is_a_picture_of_its_end(run):

@@ -13,7 +13,7 @@ from operator import attrgetter
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from PIL import Image, ImageDraw
+from PIL import Image, ImageColor, ImageDraw
 
 from pymunk_dragon._arrays import Array
 from pymunk_dragon.collision import Grid
@@ -213,7 +213,7 @@ def _draw_grid(layer: Layer) -> None:
         return
 
     draw = ImageDraw.Draw(layer.image, "RGBA")
-    colour = COLOURS.rgb("grid")
+    colour = ImageColor.getrgb(COLOURS.grid)
     left, top = layer.pixels(grid.origin).tolist()
     filed, _ = grid.file(layer.dragon.outlines(layer.poses))
     for i, j in np.unique(filed, axis=0).tolist():

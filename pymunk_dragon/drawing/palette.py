@@ -8,6 +8,7 @@ from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
+from PIL.ImageColor import getrgb
 
 # Drawn pixels per pixel of the picture along each axis: a picture is drawn at twice its size and
 # reduced.
@@ -38,11 +39,6 @@ class Palette:
     force: str = "#2b0f54"
     grid: str = "#27303f"
 
-    def rgb(self, name: str) -> tuple[int, int, int]:
-        """Red, green and blue of a colour, 0 to 255."""
-        red, green, blue = bytes.fromhex(getattr(self, name)[1:])
-        return red, green, blue
-
 
 # The colours of films and figures.
 COLOURS = Palette()
@@ -54,13 +50,13 @@ def colour_table() -> NDArray[np.uint8]:
 
     They are the palette and the mixtures of two of its colours in a block of four pixels.
     """
-    colours = np.array([COLOURS.rgb(name) for name in asdict(COLOURS)], dtype=float)
+    colours = np.array([*map(getrgb, asdict(COLOURS).values())], dtype=float)
     steps = np.arange(1, BLOCK**2)[:, None] / BLOCK**2
     mixtures = [one + steps * (other - one) for one, other in combinations(colours, 2)]
 
     # Text between background and ink has more shades.
-    background = np.array([COLOURS.rgb("background")])
-    ink = np.array([COLOURS.rgb("ink")])
+    background = np.array([getrgb(COLOURS.background)])
+    ink = np.array([getrgb(COLOURS.ink)])
     shades = np.arange(_TEXT_SHADES)[:, None] / _TEXT_SHADES
     mixtures.append(background + shades * (ink - background))
 

@@ -25,13 +25,6 @@ class Snapshots:
     march: March
     run: Run | None = None
 
-    @classmethod
-    def of(cls, source: Source) -> Snapshots:
-        """States of a run or of an exact march."""
-        if isinstance(source, Run):
-            return cls(march=source.march, run=source)
-        return cls(march=source)
-
     def at(self, times: Array) -> Iterator[tuple[float, Array]]:
         """Yield each of the `times` (F,), s, and the poses (N, 3) then.
 

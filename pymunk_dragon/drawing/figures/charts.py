@@ -271,12 +271,8 @@ def _gap(source: FigureSource) -> Figure:
 
     even = np.linspace(since, hit.time, 1000)
     times = np.union1d(even, [miss.time for miss in misses])
-    # In parts, to limit memory.
-    parts = []
-    for part in np.array_split(times, 10):
-        corners = march.dragon.outlines(march.at(part).poses)
-        parts.append(separation(corners[:, :1], corners[:, 2:]).distance)
-    gaps = np.concatenate(parts)
+    corners = march.dragon.outlines(march.at(times).poses)
+    gaps = separation(corners[:, :1], corners[:, 2:]).distance
     dashes: dict[str, Any] = {"color": QUIET, "lw": 0.8, "ls": (0, (4, 2))}
     for row in np.unique(gaps.argmin(axis=1)).tolist():
         axes.plot(times, gaps[:, row], gid=f"gap-{row + 2}", **dashes)

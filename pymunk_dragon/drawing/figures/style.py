@@ -102,9 +102,6 @@ def styled() -> Iterator[None]:
     At its end it restores matplotlib's settings.
     """
     matplotlib = library("matplotlib")
-    # The parts in C that every figure needs.
-    library("matplotlib.figure")
-    library("matplotlib.backends.backend_agg")
     # The font of the language, or of the films; matplotlib's default font provides missing glyphs
     # such as µ.
     family = {"font.family": [_register_font(language()), "DejaVu Sans"]}

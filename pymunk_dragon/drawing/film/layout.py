@@ -56,11 +56,7 @@ class Layout:
         letters = text_height(film.shape)
         self._lefts = range(0, len(takes) * (width + _GUTTER), width + _GUTTER)
         total = self._lefts[-1] + width
-
-        # The extent of the field and the legend need samples.
-        has_legend = film.legend and total >= _LEGEND_WIDTH
-        sampled = has_legend or film.camera.follow == "field"
-        samples = [_sampled(take, times) if sampled else [] for take in takes]
+        samples = [_sampled(take, times) for take in takes]
         self._times = times
         self.scenes = _scenes(takes, samples, times, film)
 
@@ -73,6 +69,7 @@ class Layout:
             lines = [lettering.line(heading, letters) for heading in headings]
             cells = [_row([line], width + _GUTTER) for line in lines]
             above.append(_row(cells, total))
+        has_legend = film.legend and total >= _LEGEND_WIDTH
         below = _legend(self.scenes, samples, total, letters) if has_legend else []
         below += lettering.wrapped(film.caption, letters, total)
 
@@ -165,22 +162,17 @@ def _field(
         widest = max(float(take.march.dragon.widths[0]) for take in takes)
         return (0.0, 0.0), given or _HEAD_SPAN * widest
 
-    lows, highs = zip(*map(_extent, takes, samples), strict=True)
-    left, bottom = np.min(lows, axis=0).tolist()
-    right, top = np.max(highs, axis=0).tolist()
+    outlines = []
+    for take, sampled in zip(takes, samples, strict=True):
+        outlines += [take.march.dragon.outlines(poses).reshape(-1, 2) for _, poses in sampled]
+    corners = np.concatenate(outlines)
+    left, bottom = corners.min(axis=0).tolist()
+    right, top = corners.max(axis=0).tolist()
     width, height = film.shape
     line = lettering.line("", text_height(film.shape))
     free = max(height - 2 * line.height, height / 2)
     span = (1 + 2 * _FIELD_BORDER) * max(right - left, (top - bottom) * width / free)
     return ((left + right) / 2, (bottom + top) / 2), given or span
-
-
-def _extent(take: Take, samples: _Samples) -> tuple[Array, Array]:
-    """Lower left and upper right corner (2,), m, of the dragon's bounding box in samples."""
-    dragon = take.march.dragon
-    outlines = [dragon.outlines(poses) for _, poses in samples]
-    corners = np.concatenate(outlines).reshape(-1, 2)
-    return corners.min(axis=0), corners.max(axis=0)
 
 
 def _headings(takes: Sequence[Take], film: Film) -> Sequence[str]:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from pymunk_dragon._checks import finite
-from pymunk_dragon.collision import FirstContact, NearMiss, first_contact
+from pymunk_dragon.collision import FirstContact, first_contact
 from pymunk_dragon.drawing.film.settings import Film
 from pymunk_dragon.drawing.snapshots import Snapshots
 from pymunk_dragon.errors import ParameterError
@@ -61,32 +61,7 @@ class Take(Snapshots):
         return start, until
 
     @property
-    def near_misses(self) -> tuple[NearMiss, ...]:
-        """Near misses of the exact model in the window. A run with free benches has none."""
-        if self.search is None or not self._keeps_to_march:
-            return ()
-        start, until = self.moving
-        found = self.search.near_misses or ()
-        return tuple(miss for miss in found if start <= miss.time <= until)
-
-    @property
-    def searched(self) -> Window | None:
-        """Time interval, s, of the search for what the film can show of the exact model.
-
-        This is the first contact and the near misses.
-        """
-        if not self._keeps_to_march:
-            return None
-        start, until = self.moving
-        if self.beside is not None:
-            contact = self.beside.first_contact
-            if contact is not None and contact.time <= start:
-                # A contact before the window is still shown in it.
-                start = float(self.beside.times[0])
-        return (start, until) if start < until else None
-
-    @property
-    def _keeps_to_march(self) -> bool:
+    def keeps_to_march(self) -> bool:
         """Whether the benches move as in the exact model."""
         return self.run is None or self.run.free_from is None
 
@@ -96,7 +71,13 @@ def checked_sources(source: Any) -> tuple[Snapshots, ...]:
     sources = tuple(source) if isinstance(source, Sequence) else (source,)
     if not sources or not all(isinstance(each, Run | March) for each in sources):
         raise ParameterError("source", source, "a Run or a March, or a list of them")
-    return tuple(Snapshots.of(each) for each in sources)
+    states = []
+    for each in sources:
+        if isinstance(each, Run):
+            states.append(Snapshots(march=each.march, run=each))
+        else:
+            states.append(Snapshots(march=each))
+    return tuple(states)
 
 
 def shared_window(sources: Sequence[Snapshots]) -> Window:
@@ -194,10 +175,20 @@ def _beside(source: Snapshots, sources: Sequence[Snapshots]) -> Run | None:
 
 def _searched(takes: Sequence[Take], film: Film) -> Window | None:
     """Time interval, s, in which a film needs the search for the takes of one march."""
-    # The first contact of a run is known, and near misses are not needed at a constant speed.
-    needed = [take for take in takes if take.run is None or film.speedup is None]
-    intervals = [take.searched for take in needed if take.searched is not None]
-    if not intervals:
+    begins = []
+    ends = []
+    for take in takes:
+        # The first contact of a run is known, and near misses are not needed at a constant speed.
+        if not take.keeps_to_march or (take.run is not None and film.speedup is not None):
+            continue
+        start, until = take.moving
+        beside = take.beside
+        if beside and beside.first_contact and beside.first_contact.time <= start:
+            # A contact before the window is still shown in it.
+            start = float(beside.times[0])
+        if start < until:
+            begins.append(start)
+            ends.append(until)
+    if not begins:
         return None
-    begins, ends = zip(*intervals, strict=True)
     return min(begins), max(ends)

@@ -158,13 +158,20 @@ def _events_of(takes: Sequence[Take]) -> list[_Event]:
 
 def _events(take: Take) -> list[_Event]:
     """Near misses and first contact of one take while it moves."""
-    start, until = take.moving
-    added = {miss.time: _NEAR_MISS_TIME for miss in take.near_misses}
-    contact = take.contact
-    if contact is not None and start <= contact.time <= until:
-        added[contact.time] = _CONTACT_TIME
+    search = take.search
+    added = {}
+    if search is not None and take.keeps_to_march:
+        # A run with free benches does not have the near misses of the exact model.
+        added = {miss.time: _NEAR_MISS_TIME for miss in search.near_misses or ()}
+    if take.contact is not None:
+        added[take.contact.time] = _CONTACT_TIME
 
     # The time in which the head travels `_EVENT_WIDTH` spacings.
     width = _EVENT_WIDTH * float(take.march.dragon.spacings.min())
     speed = take.march.speed_profile.at
-    return [_Event(time, film, width / float(speed(time))) for time, film in added.items()]
+    start, until = take.moving
+    events = []
+    for time, film in added.items():
+        if start <= time <= until:
+            events.append(_Event(time, film, width / float(speed(time))))
+    return events
