@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
 from pymunk_dragon._arrays import Array
@@ -88,9 +89,8 @@ class Scene:
         for time, poses in samples:
             middle = poses[0, :2] if self.follow == "head" else self.centre
             offsets = poses[:, :2] - middle
-            seen = np.flatnonzero(np.all(np.abs(offsets) < half, axis=1))
-            special = _special(len(poses), self._contact_at(time))
-            kinds |= {special.get(bench, "body") for bench in seen.tolist()}
+            seen = np.all(np.abs(offsets) < half, axis=1)
+            kinds.update(_kinds(len(poses), self._contact_at(time))[seen].tolist())
         return kinds
 
     def draw(self, time: float, poses: Array) -> Image.Image:
@@ -202,12 +202,14 @@ def _smallest_gap(dragon: Dragon, poses: Array) -> tuple[float, int, tuple[float
     return max(0.0, float(found.distance[nearest])), nearest + 2, (x, y)
 
 
-def _special(benches: int, contact: Contact | None) -> dict[int, str]:
-    """Kinds of the benches that are not of the body; the head stays the head in a contact."""
-    special = {benches - 1: "tail"}
+def _kinds(benches: int, contact: Contact | None) -> NDArray[np.object_]:
+    """Kind of each bench, a name of the palette; the head stays the head in a contact."""
+    kinds = np.full(benches, "body", dtype=object)
+    kinds[-1] = "tail"
     if contact:
-        special |= dict.fromkeys(contact.benches, "contact")
-    return special | {0: "head"}
+        kinds[list(contact.benches)] = "contact"
+    kinds[0] = "head"
+    return kinds
 
 
 def _draw_ring(layer: Layer, point: tuple[float, float]) -> None:
@@ -221,7 +223,6 @@ def _draw_benches(layer: Layer, contact: Contact | None) -> None:
     """Draw benches and holes, from tail to head, so that the head is on top."""
     dragon = layer.dragon
     poses = layer.poses
-    special = _special(dragon.benches, contact)
     longest = float(dragon.lengths.max())
     seen = np.flatnonzero(layer.holds(poses[:, :2], longest))[::-1]
 
@@ -231,10 +232,10 @@ def _draw_benches(layer: Layer, contact: Contact | None) -> None:
     corners = layer.pixels(rectangles(poses[seen], lengths, widths))
     polygons = np.floor(corners).reshape(-1, 8).tolist()
     draw = ImageDraw.Draw(layer.image)
-    for bench, polygon in zip(seen.tolist(), polygons, strict=True):
-        colour = getattr(COLOURS, special.get(bench, "body"))
-        draw.polygon(polygon, fill=colour, outline=COLOURS.ink)
-        if bench == 0 and contact and contact.benches[0] == 0:
+    kinds = _kinds(dragon.benches, contact)[seen].tolist()
+    for kind, polygon in zip(kinds, polygons, strict=True):
+        draw.polygon(polygon, fill=getattr(COLOURS, kind), outline=COLOURS.ink)
+        if kind == "head" and contact and contact.benches[0] == 0:
             border = max(1, round(_HEAD_BORDER * dragon.widths[0] * layer.scale))
             draw.polygon(polygon, outline=COLOURS.contact, width=border)
 

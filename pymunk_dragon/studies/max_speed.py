@@ -151,8 +151,7 @@ class MaxSpeed(Result):
 
         title = text("At {:.6f} m/s of the head no handle exceeds {:g} m/s")
         aim = text("speeds of the foremost handles, m/s")
-        figure = style.slide(title.format(self.speed, self.limit), aim)
-        axes = style.panels(figure)
+        figure, axes = style.slide(title.format(self.speed, self.limit), aim)
 
         # The samples include the maximum itself.
         offsets = np.unique([*np.linspace(-_BEFORE, _AFTER, _SAMPLES), 0.0])

@@ -138,8 +138,7 @@ class MinPitch(Result):
         aim = text(
             "the smallest pitch at which handle 0 reaches the circle of {:g} m without a contact"
         )
-        figure = style.slide(title, aim.format(self.radius))
-        axes = style.panels(figure)
+        figure, axes = style.slide(title, aim.format(self.radius))
 
         states = self.march.at(self.march.time(self.distance))
         outlines = self.march.dragon.outlines(states.poses[0])

@@ -238,8 +238,7 @@ class TurnResult(Result):
         from pymunk_dragon.drawing.figures import style
 
         title = text("The turn is {:.4f} m long on any two arcs").format(self.turn.length)
-        figure = style.slide(title, self.contests.fastest)
-        axes = style.panels(figure)
+        figure, axes = style.slide(title, self.contests.fastest)
         angles = np.linspace(0, 2 * np.pi, 400)
         circle = self.turn.radius * np.array([np.cos(angles), np.sin(angles)])
         axes.plot(*circle, color=style.COLOURS.motion, ls="--")

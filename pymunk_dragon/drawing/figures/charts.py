@@ -28,7 +28,6 @@ from pymunk_dragon.drawing.figures.style import (
     FigureSource,
     halo,
     logarithmic,
-    panels,
     plan,
     slide,
 )
@@ -72,8 +71,7 @@ def _spiral(source: FigureSource) -> Figure:
     whole = curve.end_s - start
     title = text("Handle 0 walks {:.1f} m of {:.1f} m of spiral").format(gone, whole)
     subtitle = text("{:.4g} turns inward, {:g} m apart").format(turns, curve.turn_width)
-    figure = slide(title, subtitle)
-    axes = panels(figure)
+    figure, axes = slide(title, subtitle)
 
     walked = source.path(start, start + gone)
     name = text("the march of handle 0")
@@ -103,11 +101,11 @@ def _trajectories(source: FigureSource) -> Figure:
     title = text("All handles walk the same path, one behind the other")
     subtitle = text("from {:g} s to {}; the path is {:.3g} m wide and {:.3g} m high")
     extent = np.ptp(whole, axis=0)
-    figure = slide(title, subtitle.format(source.begin, source.end, *extent))
-
     # The legend has a cell too.
     rows = -(-(len(handles) + 1) // 4)
-    cells = list(panels(figure, rows=rows, columns=4).flat)
+    figure, grid = slide(title, subtitle.format(source.begin, source.end, *extent), rows, 4)
+
+    cells = grid.ravel()
     for axes in cells:
         axes.set_aspect("equal")
         axes.margins(0.04)
@@ -130,8 +128,7 @@ def _velocities(source: FigureSource) -> Figure:
     handles = list(source.march.dragon.representatives)
     states = source.march.at(time)
     title = text("The velocities of {} handles at {:.2f} s").format(len(handles), time)
-    figure = slide(title, text("each handle walks along the curve"))
-    axes = panels(figure)
+    figure, axes = slide(title, text("each handle walks along the curve"))
     path = source.path(states.handles_s[0, -1], states.handles_s[0, 0])
     axes.plot(*path.T, color=PALE, lw=0.8)
 
@@ -165,8 +162,7 @@ def _grid(source: FigureSource) -> Figure:
     pairs = (dragon.benches - 1) * (dragon.benches - 2) // 2
     origin = "({:g}, {:g})".format(*cells.origin).replace("-", "\u2212")
     subtitle = text("{}; cells of {:g} m, counted from {} m").format(source.end, cells.cell, origin)
-    figure = slide(title.format(len(cells.pairs(corners)), pairs), subtitle)
-    axes = panels(figure)
+    figure, axes = slide(title.format(len(cells.pairs(corners)), pairs), subtitle)
 
     # Cells around the benches.
     filed, benches = cells.file(corners)
@@ -266,8 +262,7 @@ def _gap(source: FigureSource) -> Figure:
         "gap between the head and the nearest bench but its neighbour; "
         "dashed: to each bench by itself"
     )
-    figure = slide(title, subtitle)
-    axes = panels(figure)
+    figure, axes = slide(title, subtitle)
 
     even = np.linspace(since, hit.time, 1000)
     times = np.union1d(even, [miss.time for miss in misses])
@@ -280,7 +275,7 @@ def _gap(source: FigureSource) -> Figure:
     axes.plot(times, smallest, color=BLUE, lw=2.0, gid="gap")
 
     low = _MIN_GAP if hit.contact else max(_MIN_GAP, float(smallest.min()) / 3)
-    logarithmic(axes, "m", low, 3 * float(smallest.max()))
+    logarithmic(axes, low, 3 * float(smallest.max()))
     axes.set(xlim=(since, hit.time), xlabel=text("time (s)"))
     for miss, marker in zip(misses, "osD^v", strict=False):
         note = text("bench {}: {:.3f} mm\nat {:.3f} s")
@@ -301,8 +296,8 @@ def _speeds(source: FigureSource) -> Figure:
     times = _several_times(source.begin, source.last_regular_time)
     values = source.march.at(times).speeds
     title = text("The handles go at {:.3f} to {:.3f} m/s").format(values.min(), values.max())
-    figure = slide(title, text("speed of every handle at several times, m/s"))
-    _bundle(panels(figure), values, times, "speed", text("handle, from the head to the tail"))
+    figure, axes = slide(title, text("speed of every handle at several times, m/s"))
+    _bundle(axes, values, times, "speed", text("handle, from the head to the tail"))
     return figure
 
 
@@ -316,8 +311,7 @@ def _drift(source: FigureSource) -> Figure:
     metres = EngFormatter("m", places=1)
     title = text("The largest position error in a frame is {}").format(metres(run.max_drift))
     subtitle = text("position errors of the benches, at the worse of their two holes")
-    figure = slide(title, subtitle)
-    axes = panels(figure)
+    figure, axes = slide(title, subtitle)
 
     # Without the first frame, whose position error is 0.
     even = np.linspace(1, len(run.times) - 1, 600)
@@ -343,7 +337,7 @@ def _drift(source: FigureSource) -> Figure:
         note = text("smallest gap: {}").format(metres(gap))
         dots: dict[str, Any] = {"color": COLOURS.ink, "lw": 1.2, "ls": ":"}
         axes.axhline(gap, gid="smallest-gap", label=note, **dots)
-    logarithmic(axes, "m", low, high)
+    logarithmic(axes, low, high)
     axes.set(xlim=(begin, end), xlabel=text("time (s)"))
     axes.legend(**BESIDE)
     return figure
@@ -368,9 +362,9 @@ def _impulses(source: FigureSource) -> Figure:
     rows = np.unique(np.searchsorted(times, several))
     title = text("The joints carry up to {:.2f} N").format(forces[rows].max())
     subtitle = text("force in every joint, N: the mean over a substep of {:g} ms")
-    figure = slide(title, subtitle.format(1e3 * run.substep))
+    figure, axes = slide(title, subtitle.format(1e3 * run.substep))
     joint = text("joint, from the head to the tail; joint i is between benches i and i + 1")
-    _bundle(panels(figure), forces[rows], times[rows], "impulse", joint)
+    _bundle(axes, forces[rows], times[rows], "impulse", joint)
     return figure
 
 

@@ -149,20 +149,18 @@ def chart(width: float, height: float) -> Figure:
     return _figure_type()(figsize=(width, height), dpi=_DPI, layout="constrained")
 
 
-def slide(title: str, subtitle: str) -> Figure:
-    """Create a figure that fills a slide, with a title and a subtitle in its upper left."""
-    figure = _figure_type()(figsize=(_SLIDE_WIDTH, _SLIDE_HEIGHT), dpi=_DPI)
+def slide(title: str, subtitle: str, rows: int = 1, columns: int = 1) -> tuple[Figure, Any]:
+    """Create a figure that fills a slide, with a title and a subtitle in its upper left.
+
+    The axes below them, laid out by matplotlib, are returned too.
+    """
+    figure = chart(_SLIDE_WIDTH, _SLIDE_HEIGHT)
     left = _MARGIN / _SLIDE_WIDTH
     aligned: dict[str, Any] = {"x": left, "va": "top", "linespacing": _LINE_SPACING}
     figure.text(y=1 - _TITLE_TOP / _SLIDE_HEIGHT, s=title, size=_TITLE_SIZE, **aligned)
     figure.text(y=1 - _SUBTITLE_TOP / _SLIDE_HEIGHT, s=subtitle, color=QUIET, **aligned)
-    return figure
-
-
-def panels(figure: Figure, rows: int = 1, columns: int = 1) -> Any:
-    """Add axes, laid out by matplotlib, below the title of a slide."""
     figure.set_layout_engine("constrained", rect=_BELOW_TITLE, w_pad=_PADDING, h_pad=_PADDING)
-    return figure.subplots(rows, columns)
+    return figure, figure.subplots(rows, columns)
 
 
 def halo() -> list[Any]:
@@ -179,15 +177,15 @@ def plan(axes: Axes) -> None:
     axes.locator_params(nbins=5, steps=[1, 2, 4, 5, 10])
 
 
-def logarithmic(axes: Axes, unit: str, low: float, high: float) -> None:
-    """Set a logarithmic scale from `low` to `high`, in a unit with SI prefixes.
+def logarithmic(axes: Axes, low: float, high: float) -> None:
+    """Set a logarithmic scale of lengths from `low` to `high`, m, with SI prefixes.
 
     It has thin grid lines.
     """
     from matplotlib.ticker import EngFormatter, NullFormatter
 
     axes.set(yscale="log", ylim=(low, high))
-    axes.yaxis.set(major_formatter=EngFormatter(unit), minor_formatter=NullFormatter())
+    axes.yaxis.set(major_formatter=EngFormatter("m"), minor_formatter=NullFormatter())
     axes.grid(axis="y", color=RULE, lw=0.6)
 
 

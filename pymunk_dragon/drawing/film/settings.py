@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from pymunk_dragon._checks import finite, flag, instance, instances, label, positive, whole, word
+from pymunk_dragon._checks import finite, flag, instance, label, positive, whole, word
 from pymunk_dragon.drawing.camera import Camera
 from pymunk_dragon.drawing.marks import OVERLAYS
 from pymunk_dragon.errors import ParameterError
@@ -106,10 +106,8 @@ class Film:
         for overlay in instance("show", self.show, tuple, "a tuple of overlays"):
             word("show", overlay, OVERLAYS)
         instance("headings", self.headings, tuple, "a tuple of texts")
-        label("title", self.title)
-        label("caption", self.caption)
         for name, text in self.texts(self.headings):
-            if len(text) > _MAX_TEXT:
+            if len(label(name, text)) > _MAX_TEXT:
                 raise ParameterError(name, text, f"a text of at most {_MAX_TEXT} characters")
 
     @property
@@ -120,5 +118,4 @@ class Film:
     def texts(self, headings: Sequence[str]) -> list[tuple[str, str]]:
         """Names and values of title, caption and headings."""
         texts = [("title", self.title), ("caption", self.caption)]
-        texts += (("headings", each) for each in instances("headings", headings, str, "texts"))
-        return texts
+        return texts + [("headings", each) for each in headings]
