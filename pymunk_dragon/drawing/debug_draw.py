@@ -338,7 +338,8 @@ def _paint(draw: ImageDraw.ImageDraw, view: pymunk.Transform, line: float, call:
         reach = _COLLISION_MARK * line * (end - begin).normalized()
         points = [middle - reach, middle + reach]
     if call.name in ("contact", "line"):
-        _paint_line(draw, points, width, fill)
+        begin, end = points
+        _paint_line(draw, begin, end, width, fill)
         return
 
     if call.name == "segment":
@@ -366,49 +367,47 @@ def _paint(draw: ImageDraw.ImageDraw, view: pymunk.Transform, line: float, call:
     if call.name == "circle":
         centre = pymunk.Vec2d(*call.points[0])
         tip = view @ (centre + pymunk.Vec2d.from_polar(call.radius, call.angle))
-        _paint_line(draw, [points[0], tip], width, outline)
+        _paint_line(draw, points[0], tip, width, outline)
 
 
 def _paint_line(
-    draw: ImageDraw.ImageDraw, ends: Sequence[_Point], width: int, colour: tuple[int, ...]
+    draw: ImageDraw.ImageDraw,
+    begin: pymunk.Vec2d,
+    end: pymunk.Vec2d,
+    width: int,
+    colour: tuple[int, ...],
 ) -> None:
     """Paint the part of a line that is in the picture or near it.
 
     Polygons have single precision.
     """
-    (x, y), (x_end, y_end) = ends
-    x_move = x_end - x
-    y_move = y_end - y
-    first = 0.0
-    last = 1.0
-    picture_width, picture_height = draw.im.size
-    for begin, move, size in ((x, x_move, picture_width), (y, y_move, picture_height)):
-        # A line that is parallel to an axis cannot leave the picture along the other one.
-        move = move or math.ulp(0.0)
-        low = (-2 * width - begin) / move
-        high = (size + 2 * width - begin) / move
-        first = max(first, min(low, high))
-        last = min(last, max(low, high))
-    if first < last and ends[0] != ends[1]:
-        shown = [(x + part * x_move, y + part * y_move) for part in (first, last)]
-        draw.polygon(strokes.line(shown[0], shown[1], width), colour)
+    right, bottom = draw.im.size
+    near = 2 * width
+    area = pymunk.BB(-near, -near, right + near, bottom + near)
+    # Fractions of the line, infinite if it misses the area.
+    first = area.segment_query(begin, end)
+    last = 1 - area.segment_query(end, begin)
+    if first < last and begin != end:
+        move = end - begin
+        shown = strokes.line(begin + first * move, begin + last * move, width)
+        draw.polygon(shown, colour)
 
 
 def _sides(points: Sequence[pymunk.Vec2d]) -> tuple[list[pymunk.Vec2d], list[float]]:
     """Corners of a polygon, counter-clockwise where y points up, and headings of its sides, rad."""
     corners = list(dict.fromkeys(points))
+    if pymunk.area_for_poly(corners) < 0:
+        corners[1:] = corners[:0:-1]
     following = [*corners[1:], corners[0]]
-    if sum(corner.cross(after) for corner, after in zip(corners, following, strict=True)) < 0:
-        corners, following = following[::-1], corners[::-1]
     sides = zip(corners, following, strict=True)
     return corners, [(after - corner).angle for corner, after in sides]
 
 
-def _thickness(corners: Sequence[_Point], headings: Sequence[float]) -> float:
+def _thickness(corners: Sequence[pymunk.Vec2d], headings: Sequence[float]) -> float:
     """Least extent of corners across a heading."""
     extents = []
     for heading in headings:
-        across = [y * math.cos(heading) - x * math.sin(heading) for x, y in corners]
+        across = [corner.rotated(-heading).y for corner in corners]
         extents.append(max(across) - min(across))
     return min(extents)
 
