@@ -60,7 +60,7 @@ from io import BytesIO
 from itertools import chain
 
 import pymunk
-from PIL import Image, ImageDraw
+from PIL import Image, ImageDraw, ImageOps
 from pymunk.space_debug_draw_options import SpaceDebugColor as Colour
 
 from pymunk_dragon._checks import finite, flag, instance
@@ -264,9 +264,7 @@ class PillowDrawOptions(DrawRecorder):
         super().__exit__(*raised)
         if raised[1] is not None:
             return
-        width, height = self.image.size
-        size = _SAMPLES * width, _SAMPLES * height
-        canvas = self.image.resize(size, Image.Resampling.NEAREST)
+        canvas = ImageOps.scale(self.image, _SAMPLES, Image.Resampling.NEAREST)
         view = pymunk.Transform.scaling(_SAMPLES) @ self.transform
         if self.positive_y_is_up:
             view = pymunk.Transform(1, 0, 0, -1, 0, canvas.height) @ view

@@ -136,11 +136,12 @@ def _velocities(source: FigureSource) -> Figure:
     velocities = states.velocities[0, handles]
     speeds = states.speeds[0, handles]
     number: dict[str, Any] = {"ha": "center", "va": "center", "size": 9, "zorder": 5}
+    number["textcoords"] = "offset points"
     for handle, point, velocity, speed in zip(handles, points, velocities, speeds, strict=True):
         name = text("handle {}: {:.3f} m/s").format(handle, speed)
         axes.plot(*point, "o", color=COLOURS.ink, ms=5, zorder=4, label=name)
         # The number is behind the handle.
-        number |= {"xytext": -18 * velocity / speed, "textcoords": "offset points"}
+        number["xytext"] = -18 * velocity / speed
         axes.annotate(str(handle), point, path_effects=halo(), **number)
     arrows = {"angles": "xy", "color": COLOURS.motion, "width": 0.006, "zorder": 3}
     axes.quiver(*points.T, *velocities.T, gid="velocities", **arrows)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from itertools import accumulate
+from itertools import accumulate, starmap
 
 import numpy as np
 from PIL import Image, ImageDraw
@@ -56,7 +56,8 @@ class Layout:
         letters = text_height(film.shape)
         self._lefts = range(0, len(takes) * (width + _GUTTER), width + _GUTTER)
         total = self._lefts[-1] + width
-        samples = [_sampled(take, times) for take in takes]
+        sampled = np.linspace(times[0], times[-1], min(_SAMPLES, len(times)))
+        samples = [list(take.at(sampled)) for take in takes]
         self._times = times
         self.scenes = _scenes(takes, samples, times, film)
 
@@ -90,11 +91,11 @@ class Layout:
 
     def frames(self) -> Iterator[Image.Image]:
         """Draw the frames (mode RGB)."""
-        states = [scene.source.at(self._times) for scene in self.scenes]
-        for shown in zip(*states, strict=True):
+        drawn = [starmap(scene.draw, scene.source.at(self._times)) for scene in self.scenes]
+        for pictures in zip(*drawn, strict=True):
             frame = self._frame.copy()
-            for scene, (time, poses), left in zip(self.scenes, shown, self._lefts, strict=True):
-                frame.paste(scene.draw(time, poses), (left, self._top))
+            for picture, left in zip(pictures, self._lefts, strict=True):
+                frame.paste(picture, (left, self._top))
             yield frame
 
     def pictures(self, progress: Callable[[int, int], None] | None) -> Iterator[Image.Image]:
@@ -105,12 +106,6 @@ class Layout:
             yield frame.quantize(palette=colours, dither=Image.Dither.NONE)
             if progress is not None:
                 progress(done, len(self._times))
-
-
-def _sampled(take: Take, times: Array) -> _Samples:
-    """Samples of the states of a take over `times` (F,)."""
-    count = min(_SAMPLES, len(times))
-    return list(take.at(np.linspace(times[0], times[-1], count)))
 
 
 def _scenes(
@@ -229,12 +224,12 @@ def _legend(
             entries.append(_entry(COLOURS.motion, letters, 1, name, letters))
 
     # The scale bar is 1, 2 or 5 times a power of ten long, m.
-    scale = scenes[0].scale
-    longest = _MAX_SCALE_BAR * scenes[0].size[0] / scale
+    longest = _MAX_SCALE_BAR * scenes[0].span
     power = 10.0 ** math.floor(math.log10(longest))
     most = longest * (1 + 1e-9)
     metres = power * max(step for step in (1, 2, 5) if step * power <= most)
-    entries.append(_entry(COLOURS.ink, round(metres * scale), 1, f"{metres:g} m", letters))
+    length = round(metres * scenes[0].scale)
+    entries.append(_entry(COLOURS.ink, length, 1, f"{metres:g} m", letters))
 
     lines = list[list[Image.Image]]([[]])
     left = 0
