@@ -50,15 +50,15 @@ def colour_table() -> NDArray[np.uint8]:
 
     They are the palette and the mixtures of two of its colours in a block of four pixels.
     """
-    colours = np.array([*map(getrgb, asdict(COLOURS).values())], dtype=float)
+    colours = {name: np.array(getrgb(colour)) for name, colour in asdict(COLOURS).items()}
     steps = np.arange(1, BLOCK**2)[:, None] / BLOCK**2
-    mixtures = [one + steps * (other - one) for one, other in combinations(colours, 2)]
+    pairs = combinations(colours.values(), 2)
+    mixtures = [one + steps * (other - one) for one, other in pairs]
 
     # Text between background and ink has more shades.
-    background = np.array([getrgb(COLOURS.background)])
-    ink = np.array([getrgb(COLOURS.ink)])
+    background = colours["background"]
     shades = np.arange(_TEXT_SHADES)[:, None] / _TEXT_SHADES
-    mixtures.append(background + shades * (ink - background))
+    mixtures.append(background + shades * (colours["ink"] - background))
 
-    table = np.rint(np.concatenate([colours, *mixtures]))
+    table = np.rint(np.vstack([*colours.values(), *mixtures]))
     return np.unique(table.astype(np.uint8), axis=0)

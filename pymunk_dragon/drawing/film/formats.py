@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import chain, repeat
 from logging import ERROR, getLogger
 from pathlib import Path
 from traceback import clear_frames
@@ -153,7 +154,7 @@ def _write_mp4(path: Path, frames: Frames) -> None:
 
     counts = [max(1, count) for count in frames.durations(frames.fps)]
     # imageio takes an iterator, but its annotations do not say so.
-    pixels: Any = _repeated(frames, counts)
+    pixels: Any = chain.from_iterable(map(repeat, frames.pixels("RGB"), counts))
 
     # imageio_ffmpeg warns of an FFmpeg that has ended early, which is an error here.
     getLogger("imageio_ffmpeg").setLevel(ERROR)
@@ -171,13 +172,6 @@ def _write_mp4(path: Path, frames: Frames) -> None:
     # imageio does not check whether FFmpeg succeeded.
     if _frame_count(path) != sum(counts):
         raise OSError("FFmpeg failed")
-
-
-def _repeated(frames: Frames, counts: Sequence[int]) -> Iterator[np.ndarray[Any, Any]]:
-    """Yield the pixels (H, W, 3) of each frame as often as `counts` (F,) says."""
-    for pixels, count in zip(frames.pixels("RGB"), counts, strict=True):
-        for _ in range(count):
-            yield pixels
 
 
 def _frame_count(path: Path) -> int:
