@@ -304,6 +304,9 @@ def u_turn(
     dragon = checked_dragon(dragon)
     function("progress", progress)
     flag("search", search)
+    if search:
+        # A missing library is named before the work, which takes a second and more.
+        library("scipy.optimize")
     turn = UTurn(pitch=pitch, radius=radius, ratio=ratio)
     wide = "large enough for the dragon to get round the turn"
     too_small = ParameterError("radius", turn.radius, wide)
