@@ -542,11 +542,7 @@ def test_whole_numbers_have_64_bits_only_where_they_need_them_on_every_platform(
             "rows, columns = (cells - cells.min(axis=0)).astype(np.int64, copy=False).T",
         ),
         # What a page subtracts, before it is wrapped to 32 bits.
-        (
-            "player/data.py",
-            "counts = np.rint((vectors - origin) / step).astype(np.int64).transpose(1, 2, 0)",
-        ),
-        ("player/data.py", "wrapped = counts.astype(np.int32).astype(np.int64)"),
+        ("player/data.py", "counts = np.rint((vectors - origin) / step).astype(np.int64)"),
     }
     root = Path(pymunk_dragon.__file__).parent
     sources = {
