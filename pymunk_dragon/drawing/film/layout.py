@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from itertools import accumulate, starmap
+from itertools import accumulate
 
 import numpy as np
 from PIL import Image, ImageDraw
@@ -91,11 +91,12 @@ class Layout:
 
     def frames(self) -> Iterator[Image.Image]:
         """Draw the frames (mode RGB)."""
-        drawn = [starmap(scene.draw, scene.source.at(self._times)) for scene in self.scenes]
-        for pictures in zip(*drawn, strict=True):
+        states = [scene.source.at(self._times) for scene in self.scenes]
+        for shown in zip(*states, strict=True):
             frame = self._frame.copy()
-            for picture, left in zip(pictures, self._lefts, strict=True):
-                frame.paste(picture, (left, self._top))
+            for scene, (time, poses), left in zip(self.scenes, shown, self._lefts, strict=True):
+                # No name for the picture: it would keep its memory while the next one is drawn.
+                frame.paste(scene.draw(time, poses), (left, self._top))
             yield frame
 
     def pictures(self, progress: Callable[[int, int], None] | None) -> Iterator[Image.Image]:
