@@ -512,6 +512,21 @@ def test_robot_says_whether_the_arm_follows_a_path(visit, drawn):
             assert readout(page) != said
 
 
+def test_a_point_that_is_dropped_outside_the_stage_stays_in_sight(visit):
+    with visit("robot") as found:
+        page = found.page
+        readout(page)
+        knob = page.get_by_role("button", name="Point 1 of the path")
+        box = knob.bounding_box()
+        scene = page.locator("canvas").bounding_box()
+        page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+        page.mouse.down()
+        page.mouse.move(scene["x"] - 100, scene["y"] + scene["height"] / 2)
+        page.mouse.up()
+        readout(page)
+        assert knob.is_visible()
+
+
 STAGES = sorted(path.stem.replace("_", "-") for path in LESSONS.glob("*.js"))
 NUMBERS = re.compile(r"\d+(?:\.\d+)?")
 

@@ -322,6 +322,17 @@ def test_dancers_who_come_back_bring_every_bench_to_the_exact_model():
         assert on.frame().errors.max() < 0.01
 
 
+def test_dancers_who_come_back_hold_an_arm_that_goes_far_in_a_step_again():
+    with played("robot-arm") as on:
+        on.run(4.0)
+        assert on.do("release", bench=1) is None
+        on.run(0.5)
+        assert on.do("hold") is None
+        on.run(10.0)
+        assert on.session.state()["free_from"] is None
+        assert on.frame().errors.max() < 0.002
+
+
 @pytest.mark.parametrize(
     ("bench", "move"), [(0, 0.4j), (3, -0.7)]
 )  # The tip over its links, and links backwards.

@@ -137,11 +137,11 @@ class Dancers:
         Parameters
         ----------
         states : States
-            Exact states at one time.
+            Exact states at one time, the end of the next step.
         share : float
             Share of its speed that the march has.
         poses : ndarray, shape (N, 3)
-            Poses of the benches, m, m, rad.
+            Poses of the benches at the begin of the next step, m, m, rad.
         substep : float
             Length of the next step, s.
         """
@@ -155,7 +155,9 @@ class Dancers:
         for pivot, (x, y) in zip(self._return_joints, targets.tolist(), strict=True):
             pivot.anchor_a = x, y
 
-        x, y = (poses[:, :2] - states.poses[0, :, :2]).T
+        # Exact poses at the begin of the step, in which benches may go further than the bound.
+        exact = states.poses[0] - substep * share * states.pose_velocities[0]
+        x, y = (poses[:, :2] - exact[:, :2]).T
         arrived = np.hypot(x, y).max() < _RETURNED * self._dragon.widths.min()
         if arrived:
             self._guide_again(states)

@@ -121,14 +121,14 @@ class Lab extends Surface {
     knob.addEventListener("pointerdown", ({ pointerId }) => knob.setPointerCapture(pointerId));
     knob.addEventListener("pointermove", ({ pointerId, clientX, clientY }) => {
       const { left, top } = this.canvas.getBoundingClientRect();
-      if (knob.hasPointerCapture(pointerId)) change(pane.toWorld(clientX - left, clientY - top));
+      if (knob.hasPointerCapture(pointerId)) change(pane.inside(clientX - left, clientY - top));
     });
     knob.addEventListener("keydown", (event) => {
       if (!ARROWS[event.key]) return;
       event.preventDefault();
       const [x, y] = at();
       const [dx, dy] = ARROWS[event.key].map((part) => (event.shiftKey ? 10 * part : part));
-      change([x + step * dx, y + step * dy], dx + dy);
+      change(pane.inside(...pane.toScreen(x + step * dx, y + step * dy)), dx + dy);
     });
     this.knobs.push({ knob, label, pane, at });
     this.scene.append(knob);
@@ -260,6 +260,13 @@ class StagePane extends Pane {
     } else this.axes({ ...view, name: lab.say(view.name) });
     this.draw(this);
     context.restore();
+  }
+
+  // The point of the pane at a pixel, or the one nearest to it.
+  /** @type {(px: number, py: number) => Point} */
+  inside(px, py) {
+    const { top, width, height } = this;
+    return this.toWorld(bounded(px, 0, width), bounded(py, top, top + height));
   }
 
   // Benches in the colours that `colour` has for their numbers, each above those behind it.
