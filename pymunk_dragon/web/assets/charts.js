@@ -4,6 +4,7 @@
 const CHART_SECONDS = 20;
 const LONGEST_GAP = 250; // ms: a longer pause between two frames counts as this
 const MARGINS = { left: 56, right: 6, above: 6, below: 6 }; // pixels
+const LABEL_GAP = 12; // pixels beside the values at the vertical axis
 const CHART_EVERY = 100; // ms between two drawings of the charts
 const ERROR_KNOWN = 1e-8; // m: errors are shown to a hundredth of a micrometre.
 const MOST_ROWS = 100000; // rows of a table: three hours
@@ -53,10 +54,17 @@ class Chart extends Pane {
   // Clear the canvas and draw the axes.
   /** @type {(up: Limits, tick?: (value: number) => string, across?: Limits) => void} */
   start(up, tick, across) {
-    this.context.reset();
-    Object.assign(this, fitCanvas(this.canvas, this.context));
+    const { context } = this;
+    context.reset();
+    Object.assign(this, fitCanvas(this.canvas, context));
+    // Values with many digits have more room.
+    context.font = `${this.size}px ${this.look.font}`;
+    const widest = tick
+      ? Math.max(...up.map((value) => context.measureText(tick(value)).width))
+      : 0;
+    const margins = { ...MARGINS, left: Math.max(MARGINS.left, widest + LABEL_GAP) };
     const times = [this.begin, this.clock];
-    this.axes({ across: across ?? times, up, tick, apart: 18, margins: MARGINS });
+    this.axes({ across: across ?? times, up, tick, apart: 18, margins });
   }
 
   /** @type {(points?: Numbers[]) => void} */
