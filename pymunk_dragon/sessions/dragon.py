@@ -99,8 +99,15 @@ class DragonScene(Scene):
         yield slider_around("step", 0.5, longest, given["step"], "Time step", unit="ms", **engine)
         yield slider_around("iterations", 1, 200, count, "Iterations", whole=True, **engine)
         yield slider_around("drag", 0.5, 50, given["drag"], "Ground drag", unit="1/m", **engine)
-        about: dict[str, Any] = {"label": "Speed of the head", "unit": "m/s"}
-        yield Slider("speed", 0, 2 * speed, given["speed"], action=self._apply, **about)
+        yield Slider(
+            "speed",
+            0,
+            2 * speed,
+            given["speed"],
+            label="Speed of the head",
+            unit="m/s",
+            action=self._apply,
+        )
 
         # Sizes, for which the dragon is built again.
         dragon = self.march.dragon
@@ -113,8 +120,10 @@ class DragonScene(Scene):
         if dragon.has_equal_benches and isinstance(dragon.width, float):
             high = min(pitch or 0.6, 0.6) * 0.95
             yield slider_around("width", 0.05, high, dragon.width, "Width", **size)
-            number: dict[str, Any] = {"whole": True, "rebuilds": True}
-            yield slider_around("benches", 2, _MAX_BENCHES, dragon.benches, "Benches", **number)
+            count = dragon.benches
+            yield slider_around(
+                "benches", 2, _MAX_BENCHES, count, "Benches", whole=True, rebuilds=True
+            )
 
     def _apply(self, *_: object) -> None:
         """Give the engine the values of the sliders."""
