@@ -23,7 +23,7 @@ from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog
 
 # Values, each with the kinds that it has. A whole number is also a number, and that is also an
 # array.
-FUNCTION = lambda *arguments: None  # noqa: E731
+FUNCTION = lambda *arguments: None  # noqa: E731  # A value among others.
 NUMBERS = {0: "int", -1: "int", 7: "int", 1.5: "number", -2.5: "number", 1e-320: "number"}
 NUMBERS |= {
     1e308: "number",
