@@ -7,7 +7,10 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.special import ellipk
 
+from pymunk_dragon import Composite, Dragon, Line, March, Reversed, Section, SpeedTable, UTurn
+from pymunk_dragon._arrays import as_complex, as_vectors
 from pymunk_dragon.dynamics.equations import PulledChain
+from pymunk_dragon.dynamics.kinematics import cuts, handle_motion
 
 # m/s^2: a hole that accelerates upwards by this has a chain that swings as in this gravity.
 GRAVITY = 9.81
@@ -120,7 +123,7 @@ def test_two_benches_are_a_double_pendulum():
     def motion(time, state):
         return chain.rates(state, GRAVITY * 1j)
 
-    turned = begin + [math.pi / 2, math.pi / 2, 0, 0]
+    turned = begin + np.array([math.pi / 2, math.pi / 2, 0, 0])
     own = solve_ivp(motion, (0, 5), turned, method="DOP853", rtol=1e-12, atol=1e-12)
     assert own.y[:2, -1] - math.pi / 2 == pytest.approx(other.y[:2, -1], abs=1e-7)
 
@@ -143,3 +146,45 @@ def test_energy_stays_without_drag():
     ).y[:, -1]
     assert abs(end - begin).max() > 1
     assert energy(end) == pytest.approx(energy(begin), rel=1e-9)
+
+
+def test_handles_have_the_accelerations_of_their_velocities():
+    table = SpeedTable([0, 4, 9], [1.0, 1.6, 0.7])
+    march = March(Dragon(benches=30), UTurn(), start_s=-0.7, speed=table)
+    times = np.array([0.2, 1.3, 2.7, 3.5, 6.1, 8.3])
+    found = handle_motion(march, times, 31)
+    step = 1e-4
+    ends = [as_complex(march.at(times + side * step).velocities) for side in (-1, 1)]
+    expected = (ends[1] - ends[0]) / (2 * step)
+    assert found.accelerations == pytest.approx(expected, abs=2e-6)
+    assert as_vectors(found.velocities) == pytest.approx(march.at(times).velocities, abs=1e-12)
+
+
+def test_motion_is_cut_where_a_handle_passes_a_jump_or_the_speed_has_a_corner():
+    table = SpeedTable([-1, 2, 30], [1.0, 1.0, 2.0])
+    march = March(Dragon(benches=30), UTurn(), start_s=-3.0, speed=table)
+    jumps = march.curve.curvature_jumps
+    assert jumps == pytest.approx([0.0, *np.cumsum(march.curve.radii * abs(march.curve.sweeps))])
+    found = cuts(march, 0.0, 12.0, 3)
+    assert (found[0], found[-1]) == (0.0, 12.0)
+    assert 2.0 in found
+    # 3 m to the turn, whose arcs are 9.08 and 4.54 m long, at 1 m/s and faster.
+    handles_s = march.handles_s(found, 3)
+    on_jump = np.abs(handles_s[:, :, None] - jumps).min(axis=(1, 2)) < 1e-9
+    assert np.flatnonzero(~on_jump).tolist() == [0, found.index(2.0), len(found) - 1]
+    passed = (handles_s[0, :, None] < jumps) & (handles_s[-1, :, None] > jumps)
+    assert on_jump.sum() == passed.sum() > 3
+
+
+def test_curves_made_of_curves_have_their_jumps():
+    turn = UTurn()
+    jumps = np.array(turn.curvature_jumps)
+    assert Reversed(turn).curvature_jumps == pytest.approx(-jumps[::-1])
+    part = Section(turn, -2.0, 10.0)
+    assert part.curvature_jumps == pytest.approx(jumps)
+    line = Line(start=turn.point(-2.0) - 5 * turn.tangent(-2.0), stop=turn.point(-2.0))
+    path = Composite([line, part])
+    assert path.curvature_jumps == pytest.approx([5, *(jumps[jumps < 10] + 7)])
+    for jump in path.curvature_jumps:
+        sides = path.curvature([jump - 1e-9, jump + 1e-9])
+        assert abs(sides[1] - sides[0]) > 0.01

@@ -90,6 +90,8 @@ class Curve(ABC):
     circles: tuple[tuple[float, float, float], ...] = ()
     # Finite coordinates, m, at which pieces inside this curve begin or end, by their own zero.
     inner_ends: tuple[float, ...] = ()
+    # Coordinates, m, at which the curvature may jump.
+    curvature_jumps: tuple[float, ...] = ()
 
     # First and last coordinate, m; infinite on a path without begin or end.
     begin_s: float
