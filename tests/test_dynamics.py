@@ -1,19 +1,47 @@
 """Exact dynamics: the pulled chain and the forces of guided marches."""
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
+from conftest import refusal
 from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 from scipy.special import ellipk
 
-from pymunk_dragon import Composite, Dragon, Line, March, Reversed, Section, SpeedTable, UTurn
+from pymunk_dragon import (
+    Composite,
+    Curve,
+    Dragon,
+    Line,
+    March,
+    MissingExtraError,
+    Reversed,
+    Run,
+    Section,
+    SpeedTable,
+    UnreachableError,
+    UTurn,
+    joint_forces,
+    pull,
+    separation,
+    simulate,
+)
 from pymunk_dragon._arrays import as_complex, as_vectors
+from pymunk_dragon.collision.sat import deepest_overlap
 from pymunk_dragon.dynamics.equations import PulledChain
 from pymunk_dragon.dynamics.kinematics import cuts, handle_motion
+from pymunk_dragon.physics import Rails
 
 # m/s^2: a hole that accelerates upwards by this has a chain that swings as in this gravity.
 GRAVITY = 9.81
+
+
+@pytest.fixture(scope="module")
+def pulled():
+    """The reference march, pulled by its head until after the first contact."""
+    return pull(March(), until=11)
 
 
 def chain_of(count, drag_rate=0.0, seed=0):
@@ -188,3 +216,239 @@ def test_curves_made_of_curves_have_their_jumps():
     for jump in path.curvature_jumps:
         sides = path.curvature([jump - 1e-9, jump + 1e-9])
         assert abs(sides[1] - sides[0]) > 0.01
+
+
+def independent_run(march, until, smooth, precise=1e-10):
+    """State (2 M,) of the benches behind the head at `until`, by Lagrange's equations.
+
+    The head's states are computed at each evaluation; between the times `smooth` they are smooth.
+    """
+    dragon = march.dragon
+    sizes = dragon.spacings[1:], dragon.masses[1:], dragon.moments[1:]
+    drag_rate = 11.5 * march.speed_profile.fastest(0.0, until)
+    states = march.at(0.0)
+    state = np.concatenate([states.poses[0, 1:, 2], states.pose_velocities[0, 1:, 2]])
+    ends = [0.0, *smooth, until]
+    for begin, end in pairwise(ends):
+
+        def motion(time, state, within=(begin + 1e-9, end - 1e-9)):
+            held = handle_motion(march, np.clip([time], *within), 2)
+            lead = held.accelerations[0, 1] + drag_rate * held.velocities[0, 1]
+            return dense_rates(sizes, drag_rate, state, lead)
+
+        state = solve_ivp(motion, (begin, end), state, "DOP853", rtol=precise, atol=precise).y[
+            :, -1
+        ]
+    return state
+
+
+def test_pull_agrees_with_lagranges_equations_across_jumps_and_corners():
+    table = SpeedTable([0, 1.5, 4], [1.0, 1.0, 1.4])
+    march = March(Dragon(benches=6), UTurn(), start_s=-2.0, speed=table)
+
+    def rear(time):
+        return march.handles_s(time, 2)[0, 1]
+
+    # The head travels 1.5 m in 1.5 s, then at 1 m/s and 0.16 m/s^2 more: it enters the turn at 2 m,
+    # and its rear handle later.
+    head_enters = 1.5 + (math.sqrt(1 + 2 * 0.16 * 0.5) - 1) / 0.16
+    entries = [head_enters, brentq(rear, 4.01, 5, xtol=1e-14)]
+    angles, spins = np.split(independent_run(march, 5.0, sorted([1.5, 4.0, *entries])), 2)
+    run = pull(march, until=5.0, tolerance=1e-11)
+    turned = np.exp(1j * (run.poses[-1, 1:, 2] - angles))
+    assert turned == pytest.approx(1, abs=1e-9)
+    assert run.pose_velocities[-1, 1:, 2] == pytest.approx(spins, abs=1e-6)
+    assert run.poses[:, 0] == pytest.approx(march.at(run.times).poses[:, 0], abs=1e-11)
+    front, rear = march.dragon.holes(run.poses)
+    assert front[:, 1:] == pytest.approx(rear[:, :-1], abs=1e-12)
+
+
+def test_contact_of_the_reference_march_is_right_to_ten_nanoseconds(pulled):
+    touch = pulled.first_contact
+    assert touch.benches == (1, 28)
+    # An independent solution.
+    assert touch.time == pytest.approx(10.892178138, abs=1e-8)
+    finer = pull(March(), until=11, tolerance=1e-11).first_contact
+    assert finer.time == pytest.approx(touch.time, abs=1e-8)
+    found = separation(*(pulled.march.dragon.outlines(pulled.poses_at([touch.time]))[0, [1, 28]]))
+    assert float(found.distance) == pytest.approx(0, abs=1e-12)
+    assert touch.time in pulled.times
+    assert pulled.times[-1] == 11
+
+
+def test_benches_touch_nowhere_before_the_first_contact(pulled):
+    near = np.array([(i, j) for i in range(60) for j in range(i + 2, 120)])
+    times = np.linspace(0, pulled.first_contact.time, 200)[:-1]
+    for outlines in pulled.march.dragon.outlines(pulled.poses_at(times)):
+        assert deepest_overlap(outlines, near) is None
+
+
+def test_joint_of_the_head_carries_the_drag_of_the_dragon(pulled):
+    forces = pulled.joint_forces[:, 0]
+    # By an independent solution.
+    assert forces[np.abs(pulled.times - 5).argmin()] == pytest.approx(1007.43, abs=0.01)
+    assert forces.max() == pytest.approx(1105, abs=0.5)
+    assert pulled.times[forces.argmax()] == pytest.approx(1.8, abs=0.06)
+
+
+def test_on_ice_only_the_tail_swings_out():
+    run = pull(March(), until=11.8, drag=0)
+    assert run.first_contact.benches == (162, 206)
+    assert run.first_contact.time == pytest.approx(11.731, abs=5e-4)
+    # The tension m v^2 / l keeps a chain on any curve.
+    assert run.drift[:, :100].max() < 0.01
+
+
+def test_energy_is_balanced():
+    march = March(Dragon(benches=40))
+    dragon = march.dragon
+    sizes = dragon.spacings[1:], dragon.masses[1:], dragon.moments[1:]
+    chain = PulledChain(*sizes, 11.5)
+    states = march.at(0.0)
+    begin = np.concatenate([states.poses[0, 1:, 2], states.pose_velocities[0, 1:, 2]])
+
+    def energies(time, state):
+        """Kinetic energy, and the power of the pull."""
+        held = handle_motion(march, np.array([time]), 2)
+        angles, spins = np.split(state, 2)
+        steps = sizes[0] * 1j * spins * np.exp(1j * angles)
+        centres = held.velocities[0, 1] - np.cumsum(steps) + steps / 2
+        lead = held.accelerations[0, 1] + 11.5 * held.velocities[0, 1]
+        force = chain.forces(angles, spins, lead)[0]
+        kinetic = (sizes[1] * abs(centres) ** 2 + sizes[2] * spins**2).sum() / 2
+        return lead, kinetic, (force.conjugate() * held.velocities[0, 1]).real
+
+    def motion(time, state):
+        lead, kinetic, power = energies(time, state[:-1])
+        return np.append(chain.rates(state[:-1], lead), power - 2 * 11.5 * kinetic)
+
+    end = solve_ivp(motion, (0, 6), np.append(begin, 0.0), "DOP853", rtol=1e-11, atol=1e-11)
+    kinetic = [energies(end.t[k], end.y[:-1, k])[1] for k in (0, -1)]
+    assert kinetic[1] - kinetic[0] == pytest.approx(end.y[-1, -1], abs=1e-8)
+    run = pull(march, until=6, tolerance=1e-11)
+    turned = np.exp(1j * (run.poses[-1, 1:, 2] - end.y[:39, -1]))
+    assert turned == pytest.approx(1, abs=1e-9)
+
+
+@pytest.mark.parametrize("speed", [0.5, 2.0])
+def test_drag_is_per_metre_as_in_the_engine(speed):
+    march = March(Dragon(benches=40), speed=speed)
+    exact = pull(march, until=5 / speed)
+    errors = []
+    for stride in (0.004, 0.002):
+        run = simulate(march, guide="none", until=5 / speed, substep=stride / speed, iterations=60)
+        apart = exact.poses_at(run.times) - run.poses
+        errors.append(abs(apart[..., :2]).max())
+    # The engine is of first order.
+    assert errors[1] < 0.55 * errors[0] < 1e-3
+
+
+def test_positions_converge_in_the_tolerance():
+    march = March(Dragon(benches=30), UTurn(), start_s=-2.0)
+    best = pull(march, until=12, tolerance=1e-12)
+    limits = {1e-4: 3e-3, 1e-6: 1e-5, 1e-9: 5e-9, 1e-11: 5e-11}
+    for tolerance, limit in limits.items():
+        run = pull(march, until=12, tolerance=tolerance)
+        common = np.intersect1d(run.times, best.times)
+        assert common.size > 100
+        apart = run.poses_at(common) - best.poses_at(common)
+        assert abs(apart[..., :2]).max() < limit
+
+
+class Undeclared(Curve):
+    """The U-turn, as a curve that does not say where its curvature jumps."""
+
+    turn = UTurn()
+    begin_s, end_s = turn.begin_s, turn.end_s
+    point, tangent = turn.point, turn.tangent
+    curvature, max_curvature = turn.curvature, turn.max_curvature
+
+
+def test_jumps_that_a_curve_does_not_declare_are_found_by_the_integrator():
+    dragon = Dragon(benches=5)
+    runs = [
+        pull(March(dragon, curve, start_s=-1.0), until=1.5, tolerance=1e-8)
+        for curve in (UTurn(), Undeclared())
+    ]
+    assert runs[1].poses[-1] == pytest.approx(runs[0].poses[-1], abs=1e-6)
+
+
+class HeldFront(Rails):
+    """Dancers who hold only the first benches."""
+
+    free_from = 20
+
+    def joints(self, bench, body):
+        return super().joints(bench, body) if bench < self.free_from else ()
+
+    def update(self, poses, hinge_velocity, anchors, forces):
+        super().update(poses, hinge_velocity, anchors, forces)
+        forces[self.free_from :] = 0.0
+
+
+def test_benches_that_are_let_go_move_as_in_the_engine():
+    march = March(Dragon(benches=50))
+    exact = pull(march, until=1, free_from=20)
+    assert exact.drift[:, :20].max() < 1e-12
+    settings = {"guide": HeldFront(), "until": 1, "contacts": "report", "iterations": 60}
+    errors = []
+    for substep in (0.004, 0.002):
+        run = simulate(march, substep=substep, **settings)
+        apart = exact.poses_at(run.times) - run.poses
+        errors.append(abs(apart[..., :2]).max())
+        forces = exact.joint_forces[-1] / run.joint_forces[-1] - 1
+        assert abs(forces[15:]).max() < 10 * substep
+    assert errors[1] < 0.55 * errors[0] < 1e-3
+
+
+def test_run_that_begins_with_an_overlap_goes_on():
+    run = pull(March(Dragon(benches=16)), start=413, until=413.2)
+    assert (run.first_contact.time, run.first_contact.benches) == (413, (0, 8))
+    assert run.outcome == "contact"
+    assert run.times[-1] == 413.2
+
+
+def test_run_is_saved(pulled, tmp_path):
+    pulled.save(tmp_path / "run.npz")
+    run = Run.load(tmp_path / "run.npz")
+    assert run == pulled
+    assert (run.player, run.guide, run.free_from) == ("exact", "none", 1)
+
+
+def test_guided_joints_carry_what_the_dancers_leave():
+    march = March()
+    times = [5, 100, 400]
+    # By an independent solution.
+    assert joint_forces(march, times)[:, 0] == pytest.approx([0.753, 0.851, 2.376], abs=6e-4)
+    unpushed = joint_forces(march, times, push=False)
+    assert unpushed[:, 0] == pytest.approx([33.7e3, 33.7e3, 34.0e3], abs=60)
+    assert unpushed.shape == (3, 222)
+
+
+def test_joints_on_a_straight_line_carry_the_drag_of_the_benches_behind():
+    march = March(Dragon(benches=5), Line(stop=(40, 0)), start_s=20.0)
+    masses = march.dragon.masses
+    expected = 11.5 * np.cumsum(masses[:0:-1])[::-1]
+    assert joint_forces(march, [1.0], push=False)[0] == pytest.approx(expected)
+    assert joint_forces(march, [1.0])[0] == pytest.approx(0, abs=1e-9)
+    assert pull(march, until=1).joint_forces[-1] == pytest.approx(expected, rel=1e-6)
+
+
+def test_wrong_arguments_are_refused():
+    march = March(Dragon(benches=4), Line(stop=(40, 0)), start_s=20.0)
+    assert refusal(pull, march, until=21).name == "until"
+    assert refusal(pull, march, until=-1).name == "until"
+    wrong = {"free_from": (0, 4, 1.5), "drag": (-1, math.nan), "tolerance": (0, 1)}
+    for name, values in wrong.items():
+        for value in values:
+            assert refusal(pull, march, until=1, **{name: value}).name == name
+    assert refusal(joint_forces, march.dragon, [1]).name == "march"
+    assert refusal(joint_forces, march, [1], drag=-1).name == "drag"
+    refusal(pull, March(), until=441, start=438, error=UnreachableError)
+
+
+def test_missing_scipy_is_named(monkeypatch):
+    monkeypatch.setattr("pymunk_dragon._extras.is_installed", lambda name: False)
+    error = refusal(pull, March(Dragon(benches=3)), until=1, error=MissingExtraError)
+    assert "dynamics" in str(error)
+    assert "studies" in str(error)

@@ -23,6 +23,10 @@ import numpy as np
 from pymunk_dragon._arrays import Array, Complex
 from pymunk_dragon._extras import library
 
+# Per metre: ground drag, as in `EngineSettings`.
+DRAG = 11.5
+# Per metre: largest drag, as in `EngineSettings`.
+MAX_DRAG = 1e4
 # Rows of a symmetric matrix in LAPACK's form for bands: the diagonal and three bands below it.
 _BANDS = 4
 
@@ -58,8 +62,9 @@ class PulledChain:
         `angles` and `spins` (N,) are those of the benches, rad and rad/s, and `lead` is V' + c V of
         the first hole, m/s^2.
         """
-        cosines = np.cos(angles)
-        sines = np.sin(angles)
+        return self._forces(np.cos(angles), np.sin(angles), spins, lead)
+
+    def _forces(self, cosines: Array, sines: Array, spins: Array, lead: complex) -> Complex:
         xx = self._turning * sines * sines
         xy = -self._turning * sines * cosines
         yy = self._turning - xx
@@ -78,7 +83,7 @@ class PulledChain:
         y_column[:, 1] = xy
         y_column[:, 2] = yy - self._lightness
 
-        inward = np.empty(angles.size, dtype=complex)
+        inward = np.empty(spins.size, dtype=complex)
         centripetal = self._half * spins * spins
         inward.real = centripetal * cosines
         inward.imag = centripetal * sines
@@ -93,7 +98,9 @@ class PulledChain:
     def rates(self, state: Array, lead: complex) -> Array:
         """Rates of change (2 N,) of angles and angular rates, which are one array (2 N,)."""
         angles, spins = state.reshape(2, -1)
-        around = self.forces(angles, spins, lead)
+        cosines = np.cos(angles)
+        sines = np.sin(angles)
+        around = self._forces(cosines, sines, spins, lead)
         around[:-1] += around[1:]
-        across = np.cos(angles) * around.imag - np.sin(angles) * around.real
+        across = cosines * around.imag - sines * around.real
         return np.concatenate([spins, self._lever * across - self.drag_rate * spins])

@@ -19,9 +19,13 @@ CUT_WIDTH = 1e-9
 
 
 class HandleMotion(NamedTuple):
-    """Positions, velocities and accelerations (T, H) of handles: m, m/s, m/s^2."""
+    """Positions, velocities and accelerations (T, H) of handles: m, m/s, m/s^2.
+
+    The unit tangents (T, H) are those of the path.
+    """
 
     points: Complex
+    tangents: Complex
     velocities: Complex
     accelerations: Complex
 
@@ -49,7 +53,7 @@ def handle_motion(march: March, times: Array, handles: int) -> HandleMotion:
         ahead = accelerations[:, j] - accelerations[:, j + 1]
         change = (dot(benches[:, j], ahead) + spread[:, j]) / behind[:, j]
         accelerations[:, j + 1] += change * path.tangents[:, j + 1]
-    return HandleMotion(path.points, velocities, accelerations)
+    return HandleMotion(path.points, path.tangents, velocities, accelerations)
 
 
 def dot(one: Complex, two: Complex) -> Array:
@@ -66,10 +70,8 @@ def cuts(march: March, start: float, until: float, handles: int) -> list[float]:
     """
     table = march.speed_profile
     found = [start, until, *table.times]
-    count = 2 + int(float(march.distance(until) - march.distance(start)) / _stride(march))
-    # Equal steps of the head's travel, exact at both ends.
-    travelled = np.linspace(*march.distance([start, until]), count)
-    times = np.clip(march.time(travelled), start, until)
+    stride = _SAMPLE_STRIDE * float(march.dragon.spacings.min())
+    times = even_times(march, start, until, stride)
     coordinates = march.handles_s(times, handles)
     for jump in march.curve.curvature_jumps:
         passed = coordinates >= jump
@@ -84,9 +86,13 @@ def cuts(march: March, start: float, until: float, handles: int) -> list[float]:
     return [*kept, until]
 
 
-def _stride(march: March) -> float:
-    """Travel of the head between samples, m."""
-    return _SAMPLE_STRIDE * float(march.dragon.spacings.min())
+def even_times(march: March, start: float, until: float, stride: float) -> Array:
+    """Times from `start` to `until`, s, in which the head travels at most `stride`, m."""
+    begin, end = march.distance([start, until]).tolist()
+    travelled = np.linspace(begin, end, 2 + int((end - begin) / stride))
+    times = np.clip(march.time(travelled), start, until)
+    times[[0, -1]] = start, until
+    return times
 
 
 def _passage(march: March, s: float, handle: int, low: float, high: float) -> float:
