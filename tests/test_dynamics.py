@@ -1,5 +1,6 @@
 """Exact dynamics: the pulled chain and the forces of guided marches."""
 
+import json
 import math
 from itertools import pairwise
 
@@ -30,9 +31,13 @@ from pymunk_dragon import (
 )
 from pymunk_dragon._arrays import as_complex, as_vectors
 from pymunk_dragon.collision.sat import deepest_overlap
+from pymunk_dragon.drawing.figures import figure
+from pymunk_dragon.drawing.film.layout import _model
 from pymunk_dragon.dynamics.equations import PulledChain
 from pymunk_dragon.dynamics.kinematics import cuts, handle_motion
 from pymunk_dragon.physics import Rails
+from pymunk_dragon.player.data import player_data
+from pymunk_dragon.reports import document, summarize
 
 # m/s^2: a hole that accelerates upwards by this has a chain that swings as in this gravity.
 GRAVITY = 9.81
@@ -452,3 +457,70 @@ def test_missing_scipy_is_named(monkeypatch):
     error = refusal(pull, March(Dragon(benches=3)), until=1, error=MissingExtraError)
     assert "dynamics" in str(error)
     assert "studies" in str(error)
+
+
+def test_documents_do_not_take_a_pulled_run_for_the_march(pulled):
+    summary = summarize(pulled)
+    assert summary.run == pulled
+    assert summary.near_misses is None
+    assert document.headline(summary) == "Benches 1 and 28 touch at 10.892178 s"
+    assert "pulled without a guide" in document.subtitle(summary)
+    first, *others = document.sections(summary)
+    assert "No guide" in first.note
+    assert "With all benches on the path: no contact until t = 11 s" in first.note
+    names = [name for name, _ in first.tables[""].rows]
+    assert not [name for name in names if "substep" in name]
+    assert "near-misses" not in [section.key for section in others]
+    [drift] = [section for section in others if section.key == "drift"]
+    assert "march" in drift.title
+    assert len(drift.tables[""].rows) == 2
+
+    clear = pull(pulled.march, until=1)
+    assert document.headline(summarize(clear)) == "No contact from 0.000 s to 1.000 s"
+    assert str(clear).startswith("no contact until t = 1 s")
+    assert "drift" not in str(clear)
+
+
+def test_pictures_do_not_take_a_pulled_run_for_the_march(pulled):
+    assert _model(pulled) == "exact model: only the head is guided"
+    assert "from bench 5 on" in _model(pull(pulled.march, until=0.1, free_from=5))
+    payload, texts = player_data(summarize(pulled))
+    assert payload["exact"] is None
+    assert texts["exact"] == ""
+    assert payload["near_misses"] == []
+    assert payload["windows"][0]["begin"] == pulled.first_contact.time
+
+    assert refusal(figure, "drift", pulled).name == "run"
+    [axes] = figure("impulses", pulled).axes
+    drawn = max(line.get_ydata().max() for line in axes.lines)
+    before = pulled.times < pulled.first_contact.time
+    assert 900 < drawn <= pulled.joint_forces[before].max()
+
+
+def test_command_solves_a_pulled_dragon_exactly(call, here):
+    code, found, _ = call(
+        "simulate", *["--guide", "none", "--exact", "--until", "11", "--json", "-o", "run.npz"]
+    )
+    assert code == 0
+    assert json.loads(found)["first_contact"]["benches"] == [1, 28]
+    assert Run.load("run.npz").is_pulled
+    for wrong in (
+        "--exact",
+        "--guide none --exact --substep 0.01",
+        "--guide none --exact --until 500",
+    ):
+        code, _, error = call("simulate", *wrong.split())
+        assert code == 2
+        assert error.count("\n") == 1
+
+
+def test_run_without_an_end_goes_as_far_as_the_head_can():
+    # The head bench follows the spiral until about turn 1.
+    run = pull(March(Dragon(benches=4), turns=3))
+    assert run.outcome in ("contact", "unreachable")
+    last = float(run.times[-1])
+    assert not np.isnan(run.march.motion_or_nan(last, 2).handles_s).any()
+    assert np.isnan(run.march.motion_or_nan(last + 0.02, 2).handles_s).any()
+    line = March(Dragon(benches=4), Line(stop=(40, 0)), start_s=38.0)
+    assert pull(line).times[-1] == line.end == 2.0
+    assert pull(line).outcome == "clear"

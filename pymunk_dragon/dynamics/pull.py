@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
@@ -18,7 +19,7 @@ from pymunk_dragon.dynamics.search import Bodies, ContactSearch, Step
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.model.contact import Contact
 from pymunk_dragon.model.march import March, checked_times
-from pymunk_dragon.model.run import Run, position_errors, versions
+from pymunk_dragon.model.run import Outcome, Run, position_errors, versions
 
 # Relative tolerances of the integrator. With a smaller one, rounding errors decide the steps.
 _TOLERANCES = 1e-12, 1e-2
@@ -29,6 +30,8 @@ _COARSE = 1e-7
 _FRAME_STRIDE = 0.1
 # Shortest spacings that the head travels in the longest step.
 _LONGEST_STEP = 1.0
+# m that the head travels from the end of a run to where a bench that is held has no state any more.
+_BEFORE_LAST = 0.01
 # Passes in which the time of a contact is corrected; two suffice.
 _CORRECTIONS = 5
 # s: a correction as small as this is the last.
@@ -56,7 +59,8 @@ def pull(
     start : float
         Time at which the run begins, s.
     until : float, optional
-        Time at which it ends, s, at most the end of the curve, which is the default.
+        Time at which it ends, s. By default where the curve ends, or becomes too narrow for the
+        benches that are held.
     free_from : int
         The first bench that no dancer holds: those before it keep to the path. By default 1, so
         that only the head is guided.
@@ -79,7 +83,7 @@ def pull(
     Raises
     ------
     UnreachableError
-        If the dragon has no state at `start`, or the benches that are held have none until the end.
+        If the dragon has no state at `start`, or the benches that are held have none at `until`.
 
     Examples
     --------
@@ -88,12 +92,16 @@ def pull(
     >>> run.first_contact.benches, round(run.first_contact.time, 8)
     ((1, 28), 10.89217814)
     """
+    goes_on = until is None
     start, until = checked_times(march, start, until)
     if until > march.end:
         raise ParameterError("until", until, f"at most the end of the curve, {march.end:g} s")
     free_from = whole("free_from", free_from, 1, march.dragon.benches - 1)
     drag = finite("drag", drag, 0.0, MAX_DRAG, "per metre")
     tolerance = finite("tolerance", tolerance, *_TOLERANCES, "")
+    end = until
+    if goes_on:
+        until = _last_time(march, start, free_from + 1)
     top_speed = march.speed_profile.fastest(start, until)
     pulled = _Pulled(march, free_from, drag * top_speed, tolerance)
 
@@ -110,9 +118,11 @@ def pull(
         "free_from": free_from,
         "start": start,
         "until": until,
-        "dynamics": {"drag": drag, "tolerance": tolerance},
+        "ground_drag": drag,
+        "tolerance": tolerance,
         "versions": versions(),
     }
+    ended: Outcome = "clear" if until == end else "unreachable"
     return Run(
         march=march,
         times=times,
@@ -121,9 +131,27 @@ def pull(
         pose_velocities=rates,
         joint_forces=np.abs(np.hstack([before, free_forces])),
         first_contact=recorder.contact,
-        outcome="contact" if recorder.contact else "clear",
+        outcome="contact" if recorder.contact else ended,
         provenance=origin,
     )
+
+
+def _last_time(march: March, start: float, handles: int) -> float:
+    """Last time, s, until which a march can be pulled: the end of the curve, or some before.
+
+    Where the curve becomes too narrow for a bench, the speed of its rear handle has no limit.
+    """
+    march.motion(start, handles)
+    reachable, later = start, march.end
+    if not np.isnan(march.motion_or_nan(later, handles).handles_s).any():
+        return later
+    while reachable < (middle := (reachable + later) / 2) < later:
+        if np.isnan(march.motion_or_nan(middle, handles).handles_s).any():
+            later = middle
+        else:
+            reachable = middle
+    distance = float(march.distance(reachable)) - _BEFORE_LAST
+    return max((start + reachable) / 2, float(march.time(distance)))
 
 
 def _frame_times(start: float, until: float, top_speed: float) -> Array:
@@ -252,6 +280,7 @@ class _Recorder:
         pair = self._search.touching(bodies.row(0))
         if pair is not None:
             self.contact = self._contact(start, pair, bodies.row(0))
+            self.contact = replace(self.contact, depth=-self._gap)
 
     def _take(self, leader: Leader, solver: Any, before: Array) -> None:
         """Search a step, which began in the state `before`, and keep its frames."""
@@ -329,7 +358,7 @@ class _Recorder:
             benches=pair,
             point=tuple(found.point.tolist()),
             normal=tuple(found.normal.tolist()),
-            depth=max(0.0, -self._gap),
+            depth=0.0,
         )
 
 

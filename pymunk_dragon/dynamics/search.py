@@ -23,7 +23,7 @@ from pymunk_dragon.model.dragon import Dragon, rectangles
 # often the near pairs are collected.
 _MARGIN = 1.0
 # Parts into which a time interval is divided in which a pair may touch.
-_PARTS = 8
+_PARTS = 4
 # s: an interval as short as this is not divided. Its two ends differ by rounding errors only.
 _RESOLUTION = 1e-12
 # Last digits of a time: the same.
