@@ -41,7 +41,7 @@ tolerance of 1e-12 (`python tests/bench/bench.py errors-of-tolerances`): the ref
 | --- | --- | --- | --- | --- |
 | 1e-4 | 1.7e-4 | 2.9e-3 | 3.5e-4 | 4.3e-5 |
 | 1e-6 | 4.0e-6 | 2.0e-6 | 1.7e-6 | 4.6e-7 |
-| 1e-9 (default) | 2.7e-9 | 8.0e-11 | 4.2e-9 | 3.0e-11 |
+| 1e-9 (default) | 2.7e-9 | 7.7e-11 | 4.2e-9 | 3.0e-11 |
 | 1e-11 | 1.3e-11 | 4.6e-13 | 2.7e-11 | 2.6e-13 |
 
 With a tolerance of 1e-6 `pull` takes 0.52 of the processor time of `simulate` for 1,000 benches and

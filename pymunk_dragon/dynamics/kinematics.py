@@ -15,7 +15,9 @@ from pymunk_dragon.model.march import March
 _SAMPLE_STRIDE = 0.25
 # m of the head's travel. Cuts that are no further apart are one; rounding errors of coordinates
 # are far smaller, and what the jump changes in between is far below any tolerance.
-CUT_WIDTH = 1e-9
+_CUT_WIDTH = 1e-9
+# Last digits of a time: at least so many.
+_CUT_DIGITS = 4096
 
 
 class HandleMotion(NamedTuple):
@@ -78,12 +80,18 @@ def cuts(march: March, start: float, until: float, handles: int) -> list[float]:
         for row, handle in np.argwhere(passed[1:] != passed[:-1]).tolist():
             found.append(_passage(march, jump, handle, times[row], times[row + 1]))
 
-    width = CUT_WIDTH / table.fastest(start, until)
+    width = cut_width(march, start, until)
     kept = [start]
     for time in sorted(found):
         if kept[-1] + width < time < until - width:
             kept.append(time)
     return [*kept, until]
+
+
+def cut_width(march: March, start: float, until: float) -> float:
+    """Shortest duration, s, of an interval between cuts from `start` to `until`, s."""
+    digits = _CUT_DIGITS * float(np.spacing(max(abs(start), abs(until))))
+    return max(_CUT_WIDTH / march.speed_profile.fastest(start, until), digits)
 
 
 def even_times(march: March, start: float, until: float, stride: float) -> Array:

@@ -8,7 +8,7 @@ import numpy as np
 
 from pymunk_dragon._arrays import Array, Complex, as_complex, as_vectors
 from pymunk_dragon._extras import library
-from pymunk_dragon.dynamics.kinematics import CUT_WIDTH, even_times, handle_motion
+from pymunk_dragon.dynamics.kinematics import cut_width, even_times, handle_motion
 from pymunk_dragon.model.march import March
 
 # Degree of the splines in time.
@@ -21,9 +21,9 @@ _LEAST_INTERVALS = 16
 # a curve of the user's own with a jump of the curvature that it does not declare.
 _HALVINGS = 5
 # Error of a spline, as a share of the integrator's tolerance and of the largest value.
-_SHARE = 1e-3
-# Least such error: rounding.
-_ROUNDING = 2e-13
+_SHARE = 1e-2
+# Least such error: rounding errors of accelerations, which a spline enlarges at its ends.
+_ROUNDING = 2e-12
 
 
 class Leader:
@@ -46,8 +46,7 @@ class Leader:
         self._drag_rate = drag_rate
         begin, end = window
         # At a jump the samples have the values of this side of it.
-        width = CUT_WIDTH / march.speed_profile.fastest(begin, end)
-        width = min(width, (end - begin) / 4)
+        width = min(cut_width(march, begin, end), (end - begin) / 4)
         self._begin = begin + width
         self._end = end - width
         self._points, self._lead = self._splines(max(_SHARE * tolerance, _ROUNDING))

@@ -13,7 +13,7 @@ from pymunk_dragon._checks import finite, whole
 from pymunk_dragon._extras import library
 from pymunk_dragon.dynamics.equations import DRAG, MAX_DRAG, PulledChain
 from pymunk_dragon.dynamics.forces import guided_forces
-from pymunk_dragon.dynamics.kinematics import cuts
+from pymunk_dragon.dynamics.kinematics import cut_width, cuts
 from pymunk_dragon.dynamics.leader import Leader
 from pymunk_dragon.dynamics.search import Bodies, ContactSearch, Step
 from pymunk_dragon.errors import DragonError, ParameterError
@@ -96,6 +96,9 @@ def pull(
     start, until = checked_times(march, start, until)
     if until > march.end:
         raise ParameterError("until", until, f"at most the end of the curve, {march.end:g} s")
+    shortest = start + cut_width(march, start, until)
+    if until < shortest:
+        raise ParameterError("until", until, f"at least {shortest:.17g} s, with this start")
     free_from = whole("free_from", free_from, 1, march.dragon.benches - 1)
     drag = finite("drag", drag, 0.0, MAX_DRAG, "per metre")
     tolerance = finite("tolerance", tolerance, *_TOLERANCES, "")

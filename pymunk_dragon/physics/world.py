@@ -151,7 +151,7 @@ class World:
         dragon = march.dragon
         self.masses = dragon.masses
         sizes = list(zip(dragon.lengths.tolist(), dragon.widths.tolist(), strict=True))
-        self.moments = np.array(list(map(pymunk.moment_for_box, self.masses, sizes)))
+        self.moments = dragon.moments
 
         self.space = pymunk.Space()
         # A contact is reported when the benches touch, not when they are a tenth of a metre deep.

@@ -278,6 +278,7 @@ CALLS = {
     ),
     "SpeedTable.read": (dragons.SpeedTable.read, {"path": ("speed.csv", "path")}),
     "SpeedTable.at": (TABLE.at, {"t": TIMES}),
+    "SpeedTable.acceleration": (TABLE.acceleration, {"t": TIMES}),
     "SpeedTable.distance": (TABLE.distance, {"t": TIMES}),
     "SpeedTable.time": (TABLE.time, {"distance": TIMES}),
     "SpeedTable.fastest": (TABLE.fastest, {"start": FLOAT, "until": FLOAT}),
