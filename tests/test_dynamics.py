@@ -15,6 +15,7 @@ from pymunk_dragon import (
     Composite,
     Curve,
     Dragon,
+    Film,
     Line,
     March,
     MissingExtraError,
@@ -33,6 +34,7 @@ from pymunk_dragon._arrays import as_complex, as_vectors
 from pymunk_dragon.collision.sat import deepest_overlap
 from pymunk_dragon.drawing.figures import figure
 from pymunk_dragon.drawing.film.layout import _model
+from pymunk_dragon.drawing.film.take import checked_sources, takes_of_film
 from pymunk_dragon.dynamics.equations import PulledChain
 from pymunk_dragon.dynamics.kinematics import cuts, handle_motion
 from pymunk_dragon.physics import Rails
@@ -484,6 +486,8 @@ def test_documents_do_not_take_a_pulled_run_for_the_march(pulled):
 def test_pictures_do_not_take_a_pulled_run_for_the_march(pulled):
     assert _model(pulled) == "exact model: only the head is guided"
     assert "from bench 5 on" in _model(pull(pulled.march, until=0.1, free_from=5))
+    sources = checked_sources([pulled, pulled.march])
+    assert [take.beside for take in takes_of_film(sources, Film())] == [None, None]
     payload, texts = player_data(summarize(pulled))
     assert payload["exact"] is None
     assert texts["exact"] == ""

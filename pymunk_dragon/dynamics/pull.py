@@ -69,8 +69,8 @@ def pull(
         this rate times the head's top speed. On ice it is 0.
     tolerance : float
         Relative tolerance of the integrator in a step, from 1e-12 to 0.01. With 1e-9 the positions
-        of recorded frames are within 5 nm in the reference march until 10.8 s and in the turn of
-        question 4, and with 1e-6 within 10 um.
+        of recorded frames are within 5 nm in the reference march until 11 s and in the turn of
+        question 4, and with 1e-6 within 5 um.
 
     Returns
     -------
