@@ -2,6 +2,7 @@
 
 import json
 import math
+from importlib import import_module
 from itertools import pairwise
 
 import numpy as np
@@ -23,6 +24,7 @@ from pymunk_dragon import (
     Run,
     Section,
     SpeedTable,
+    Spiral,
     UnreachableError,
     UTurn,
     joint_forces,
@@ -288,6 +290,34 @@ def test_benches_touch_nowhere_before_the_first_contact(pulled):
     times = np.linspace(0, pulled.first_contact.time, 200)[:-1]
     for outlines in pulled.march.dragon.outlines(pulled.poses_at(times)):
         assert deepest_overlap(outlines, near) is None
+
+
+def drawn_march(random):
+    """A march on one of several curves, and settings with which it is pulled."""
+    benches = int(random.integers(3, 60))
+    sizes = {"body_spacing": random.uniform(1, 2.5, benches - 1).tolist()}
+    dragon = Dragon(benches=benches, width=float(random.uniform(0.1, 0.5)), **sizes)
+    speed = SpeedTable([-5, 1, 3, 4.5, 9], random.uniform(0.3, 2, 5).tolist())
+    if random.random() < 0.5:
+        turns = float(random.uniform(5, 12))
+        march = March(dragon, Spiral(pitch=0.6), turns=turns, speed=speed)
+    else:
+        march = March(dragon, UTurn(), start_s=float(random.uniform(-4, 10)), speed=speed)
+    free_from = int(random.integers(1, min(benches, 8)))
+    return march, {"free_from": free_from, "drag": float(random.choice([0, 0.1, 1, 11.5, 100]))}
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("seed", range(40))
+def test_search_misses_no_overlap_of_a_frame(seed, monkeypatch):
+    monkeypatch.setattr(import_module("pymunk_dragon.dynamics.pull"), "_FRAME_STRIDE", 0.01)
+    march, settings = drawn_march(np.random.default_rng(seed))
+    run = pull(march, until=min(8.0, 0.99 * march.end), tolerance=1e-6, **settings)
+    pairs = np.stack(np.triu_indices(march.dragon.benches, 2), axis=-1)
+    touch = run.first_contact
+    before = run.times < (touch.time - 1e-9 if touch else np.inf)
+    for outlines in march.dragon.outlines(run.poses[before]):
+        assert deepest_overlap(outlines, pairs) is None
 
 
 def test_joint_of_the_head_carries_the_drag_of_the_dragon(pulled):
