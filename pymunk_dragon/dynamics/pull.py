@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from itertools import pairwise
 from typing import Any
 
@@ -244,8 +245,6 @@ class _Recorder:
         self._search = ContactSearch(pulled.march.dragon)
         # Times (T,), bodies and forces (T, M) of the frames of each step.
         self._frames: list[tuple[Array, Bodies, Complex]] = []
-        # Gap of the pair of the last contact, m.
-        self._gap = 0.0
         self.contact: Contact | None = None
 
     def frames(self) -> tuple[Array, Array, Array, Complex]:
@@ -283,18 +282,16 @@ class _Recorder:
         pair = self._search.touching(bodies.row(0))
         if pair is not None:
             self.contact = self._contact(start, pair, bodies.row(0))
-            self.contact = replace(self.contact, depth=-self._gap)
 
     def _take(self, leader: Leader, solver: Any, before: Array) -> None:
         """Search a step, which began in the state `before`, and keep its frames."""
-        begin, end = float(solver.t_old), float(solver.t)
-        interpolant: list[Any] = []
+        begin = float(solver.t_old)
+        end = float(solver.t)
+        # Some methods evaluate the equations again for it, and few steps need it.
+        interpolant = cache(solver.dense_output)
 
         def states(times: Array) -> Array:
-            # Some methods evaluate the equations again for their interpolant.
-            if not interpolant:
-                interpolant.append(solver.dense_output())
-            found: Array = interpolant[0](times).T
+            found: Array = interpolant()(times).T
             return found
 
         def at(times: Array) -> Bodies:
@@ -333,13 +330,14 @@ class _Recorder:
                     solver.step()
                 state = solver.y
             bodies = self._pulled.bodies(leader, np.array([time]), state[None])
-            self.contact = self._contact(time, pair, bodies.row(0))
-            closing = _closing_rate(self.contact, bodies.row(0))
-            correction = self._gap / closing if closing > 0 else 0.0
+            contact = self._contact(time, pair, bodies.row(0))
+            closing = _closing_rate(contact, bodies.row(0))
+            correction = -contact.depth / closing if closing > 0 else 0.0
             if not _CORRECTED < abs(correction) < end - begin:
                 break
-            time += correction
-        self._keep(leader, np.array([time]), state[None])
+            time = min(max(time + correction, begin), end)
+        self.contact = replace(contact, depth=0.0)
+        self._keep(leader, np.array([contact.time]), state[None])
 
     def _keep(self, leader: Leader, times: Array, states: Array) -> Bodies:
         """Keep frames of states (T, 2 M), and return their bodies."""
@@ -352,16 +350,15 @@ class _Recorder:
         return bodies
 
     def _contact(self, time: float, pair: tuple[int, int], bodies: Bodies) -> Contact:
-        """Contact of a pair of the bodies (N, 3)."""
+        """Contact of a pair of the bodies (N, 3); its depth is negative where they are apart."""
         found = self._search.separations(bodies, np.array(pair))
-        self._gap = float(found.distance)
         return Contact(
             time=time,
             raw_time=time,
             benches=pair,
             point=tuple(found.point.tolist()),
             normal=tuple(found.normal.tolist()),
-            depth=0.0,
+            depth=-float(found.distance),
         )
 
 

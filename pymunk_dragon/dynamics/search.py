@@ -59,9 +59,11 @@ class ContactSearch:
     def __init__(self, dragon: Dragon) -> None:
         self._dragon = dragon
         self._radii = np.hypot(dragon.lengths, dragon.widths) / 2
+        # The near pairs (P, 2), and one number for each.
         self._pairs: Indices = np.empty((0, 2), dtype=np.intp)
         self._codes: Indices = np.empty(0, dtype=np.intp)
-        # Lower bounds on the gaps of the pairs, m, and on the rates at which these close, m/s.
+        # Lower bounds on the gaps of the pairs, m, and upper ones on the rates at which they close,
+        # m/s, at the end of the last step.
         self._gaps = np.empty(0)
         self._rates = np.empty(0)
         # m by which pairs that are not near may close until they can be near.
