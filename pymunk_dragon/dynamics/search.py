@@ -36,8 +36,8 @@ class Bodies(NamedTuple):
     poses: Array
     rates: Array
 
-    def row(self, index: int) -> Bodies:
-        """The bodies at one of several times."""
+    def part(self, index: int | slice) -> Bodies:
+        """The bodies at one or some of several times."""
         return Bodies(self.poses[index], self.rates[index])
 
 
@@ -82,7 +82,7 @@ class ContactSearch:
     def first_touch(self, step: Step) -> tuple[float, tuple[int, int]] | None:
         """Time and pair of the first contact in a step, the next one, or None."""
         duration = step.end - step.begin
-        before = step.bodies.row(0)
+        before = step.bodies.part(0)
         fastest = np.abs(as_complex(step.bodies.rates[..., :2])).max()
         reach = float(2 * duration * fastest)
         if reach > self._room:
@@ -90,7 +90,7 @@ class ContactSearch:
         self._room -= reach
 
         one = self._rates
-        two = self._rates = self._closing_rates(step.bodies.row(1))
+        two = self._rates = self._closing_rates(step.bodies.part(1))
         # Half the difference more than the larger one, as the rate may be largest in between.
         rates = np.maximum(one, two) + np.abs(one - two) / 2
         closing = duration * rates
@@ -102,7 +102,7 @@ class ContactSearch:
             found = self._within(step, self._pairs[due], rates[due])
             if found is not None:
                 return found
-            after = self.separations(step.bodies.row(1), self._pairs[due])
+            after = self.separations(step.bodies.part(1), self._pairs[due])
             self._gaps[due] = after.distance + closing[due]
         self._gaps -= closing
         return None
