@@ -39,6 +39,7 @@ from pymunk_dragon.drawing.film.layout import _model
 from pymunk_dragon.drawing.film.take import checked_sources, takes_of_film
 from pymunk_dragon.dynamics.equations import PulledChain
 from pymunk_dragon.dynamics.kinematics import cuts, handle_motion
+from pymunk_dragon.dynamics.leader import Leader
 from pymunk_dragon.physics import Rails
 from pymunk_dragon.player.data import player_data
 from pymunk_dragon.reports import document, summarize
@@ -421,6 +422,16 @@ class HeldFront(Rails):
     def update(self, poses, hinge_velocity, anchors, forces):
         super().update(poses, hinge_velocity, anchors, forces)
         forces[self.free_from :] = 0.0
+
+
+@pytest.mark.parametrize("drag_rate", [0.0, 11.5])
+def test_steady_pull_along_a_line_is_interpolated(drag_rate):
+    # Accelerations, and what is across the line, are nothing but rounding errors.
+    line = Line(stop=(21, 34))
+    march = March(Dragon(benches=3), line, start_s=20.0)
+    leader = Leader(march, 2, drag_rate, (0.0, 3.0), 1e-9)
+    assert leader._points is not None
+    assert leader.lead(1.3) == pytest.approx(drag_rate * complex(*line.tangent(20.0)), abs=1e-9)
 
 
 def test_benches_that_are_let_go_move_as_in_the_engine():

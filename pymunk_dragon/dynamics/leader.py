@@ -80,7 +80,10 @@ class Leader:
         None and None if so many samples do not suffice.
         """
         interpolate = library("scipy.interpolate").make_interp_spline
-        stride = _STRIDE * float(self._march.dragon.spacings.min())
+        shortest = float(self._march.dragon.spacings.min())
+        stride = _STRIDE * shortest
+        # m/s^2: a head that turns within its bench has this acceleration.
+        least = self._march.speed_profile.fastest(self._begin, self._end) ** 2 / shortest
         count = even_times(self._march, self._begin, self._end, stride).size
         intervals = max(count, _LEAST_INTERVALS)
         for _ in range(_HALVINGS):
@@ -89,7 +92,9 @@ class Leader:
             # Every second sample is left out, and shows the error.
             spline = interpolate(times[::2], values[::2], k=_DEGREE)
             errors = np.abs(spline(times[1::2]) - values[1::2]).max(axis=0)
-            if (errors <= share * np.abs(values).max(axis=0)).all():
+            sizes = np.abs(values).max(axis=0)
+            exact = errors[:-2].max() <= share * sizes[:-2].max()
+            if exact and errors[-2:].max() <= share * max(sizes[-2:].max(), least):
                 points = interpolate(times, values[:, :-2], k=_DEGREE)
                 return points, interpolate(times, values[:, -2:], k=_DEGREE)
             intervals *= 2
