@@ -17,6 +17,7 @@ _NAMES = {
     "collision": "FirstContact Grid NearMiss Separation first_contact scan separation",
     "drawing": "Camera Film render",
     "drawing.debug_draw": "PillowDrawOptions",
+    "dynamics": "joint_forces pull",
     "errors": (
         "DragonError FileFormatError MissingExtraError OutputError ParameterError UnreachableError"
     ),
@@ -65,6 +66,7 @@ if TYPE_CHECKING:
     from pymunk_dragon.collision import *
     from pymunk_dragon.drawing import *
     from pymunk_dragon.drawing.debug_draw import *
+    from pymunk_dragon.dynamics import *
     from pymunk_dragon.errors import *
     from pymunk_dragon.model.contact import *
     from pymunk_dragon.model.curves import *

@@ -20,6 +20,7 @@ FEATURES = {
     "pygame": ("a pygame program on a page", "pygame"),
     "pygments": ("a page of lessons", "demos"),
     "scipy": ("a path through points", "curves"),
+    "scipy.linalg.lapack": ("exact dynamics", "studies"),
     "scipy.optimize": ("the search for the shortest turn", "studies"),
     "xlsxwriter": ("an XLSX file", "report"),
     "zhplot": ("Chinese in a picture", "chinese"),

@@ -65,6 +65,7 @@ MODULES = {
     "model.contact": "Contact records",
     "collision": "First contact",
     "physics": "Engine",
+    "dynamics": "Exact dynamics",
     "drawing": "Films",
     "drawing.figures": "Figures",
     "drawing.debug_draw": "Debug drawing",

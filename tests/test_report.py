@@ -20,7 +20,7 @@ from marches import ARM, TRACTOR, U_TURN
 from markdown_it import MarkdownIt
 from sharing import shared
 
-from pymunk_dragon import ContactLog, Dragon, March, Run, report, simulate
+from pymunk_dragon import ContactLog, Dragon, March, Run, pull, report, simulate
 from pymunk_dragon._language import in_language
 from pymunk_dragon.errors import ParameterError, UnreachableError
 from pymunk_dragon.reports import document, formats, summarize, write_contact_table, write_tables
@@ -59,6 +59,7 @@ RUNS = {
     "nothing known": lambda run: Run(
         march=SMALL, times=[1], poses=SMALL.at([1]).poses, drift=np.zeros((1, 16))
     ),
+    "pulled": lambda run: pull(SMALL, until=4),
     "exact": lambda run: Run.exact(SMALL, np.arange(5.0)),
     "exact, with a contact": lambda run: Run.exact(SMALL, np.arange(79.0, 83.0)),
     "hostile labels": lambda run: replace(
@@ -103,8 +104,8 @@ def check_csv(content, run, found):
     assert [float(row["time_s"]) for row in rows] == sorted(float(row["time_s"]) for row in rows)
 
 
-def check_markdown(content):
-    """No markup but the report's own."""
+def check_markdown(content, sections):
+    """No markup but the report's own, and so many sections."""
     tokens = (
         MarkdownIt("commonmark", {"html": True}).enable(["table", "strikethrough"]).parse(content)
     )
@@ -118,7 +119,7 @@ def check_markdown(content):
     # A row with too few or too many cells would be filled up or cut, and its text be lost.
     for line in content.splitlines():
         assert not line.startswith("|") or len(re.findall(r"(?<!\\)(?:\\\\)*\|", line)) >= 3
-    assert content.count("\n## ") == 6
+    assert content.count("\n## ") == sections
 
 
 def check_page(content):
@@ -150,8 +151,11 @@ def test_report_on_any_run_is_whole_in_every_format(name, small_run, written):
     found = summarize(run).to_dict()
     assert json.loads(written(name, ".json").read_bytes(), parse_constant=pytest.fail) == found
     check_csv(written(name, ".csv").read_bytes().decode(), run, found)
-    check_markdown(written(name, ".md").read_text())
-    assert check_page(written(name, ".html").read_text()) == (run.max_drift > 0)
+    # Near misses are those of benches on the path.
+    check_markdown(written(name, ".md").read_text(), 6 - run.is_pulled)
+    assert check_page(written(name, ".html").read_text()) == (
+        run.max_drift > 0 and not run.is_pulled
+    )
 
 
 def test_report_has_the_same_bytes_each_time_and_in_chinese_the_same_numbers(

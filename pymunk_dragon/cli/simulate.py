@@ -6,10 +6,11 @@ from typing import Any
 
 import click
 
-from pymunk_dragon import physics
+from pymunk_dragon import dynamics, physics
 from pymunk_dragon.cli.options import (
     chosen_march,
     command,
+    flags_given,
     output_option,
     scenario_options,
     start_option,
@@ -20,18 +21,22 @@ from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.model.settings import EngineSettings
 
+_OF_ENGINE = ("contacts", "head_force", "substep", "iterations", "frame_interval")
 _CONTACTS = ("stop", "report", "resolve")
 _RESPONSE = "At a contact end the run, only record it, or push the benches apart.  [stop]"
 _GUIDE = f"The guide, which keeps the benches on the path: {', '.join(physics.GUIDES)}.  [rails]"
 
 
-@command("-o run.npz", "--from 400 --substep 0.0025 --iterations 60", "--guide none --until 20")
+@command(
+    "-o run.npz", "--from 400 --substep 0.0025 --iterations 60", "--guide none --exact --until 20"
+)
 @scenario_options
 @start_option
 @until_option
 @click.option(
     "--guide", type=click.Choice(list(physics.GUIDES)), default="rails", metavar="NAME", help=_GUIDE
 )
+@click.option("--exact", is_flag=True, help="Solve the motion exactly, with --guide none.")
 @click.option("--contacts", type=click.Choice(_CONTACTS), default="stop", help=_RESPONSE)
 @click.option(
     "--head-force",
@@ -58,15 +63,32 @@ _GUIDE = f"The guide, which keeps the benches on the path: {', '.join(physics.GU
     help="Time between frames, s.  [until the head goes 0.1 m]",
 )
 @output_option(".npz, which keeps the run")
-def simulate(output: str | None, **choices: Any) -> None:
-    """Play the march in Pymunk until the dragon runs into itself."""
+def simulate(output: str | None, exact: bool, **choices: Any) -> None:
+    """Play the march in Pymunk until the dragon runs into itself.
+
+    With --exact a dragon without a guide is no engine's: its motion is solved to nanometres, and
+    goes on through contacts.
+    """
+    interval = {name: choices.pop(name) for name in ("start", "until", "guide")}
+    if exact:
+        _check_exact(interval.pop("guide"))
     march = chosen_march()
     path = destination_of(output, (".npz",))
-    interval = {name: choices.pop(name) for name in ("start", "until", "guide")}
-    run = simulate_with_progress(march, settings=EngineSettings(**choices), **interval)
+    if exact:
+        run = dynamics.pull(march, **interval)
+    else:
+        run = simulate_with_progress(march, settings=EngineSettings(**choices), **interval)
     found = run.to_dict()
     write_result(path, found, run.save)
     print_result(found, run)
+
+
+def _check_exact(guide: str) -> None:
+    """Refuse options that do not go with --exact."""
+    if guide != "none":
+        raise click.UsageError("--exact needs --guide none: the dragon on its path is exact anyway")
+    for flag in flags_given(*_OF_ENGINE):
+        raise click.UsageError(f"{flag} is for the engine: leave it out, or --exact")
 
 
 def simulate_with_progress(march: March, *, start: float, **how: Any) -> Run:

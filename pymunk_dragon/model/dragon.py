@@ -17,6 +17,9 @@ from pymunk_dragon.errors import ParameterError
 # m: the same for all benches, or one for each.
 _Sizes = float | Sequence[float]
 
+# kg/m^2: planks of pine, 4 cm thick. All benches have it, so it only scales forces.
+_AREA_DENSITY = 20.0
+
 # Benches of the contest's dragon.
 _BENCHES = 223
 # A head and a tail.
@@ -129,6 +132,16 @@ class Dragon:
     def lengths(self) -> Array:
         """Length of each bench, (N,), m."""
         return read_only(self.spacings + 2 * self.overhangs)
+
+    @cached_property
+    def masses(self) -> Array:
+        """Mass of each bench, (N,), kg: planks of 20 kg/m^2."""
+        return read_only(_AREA_DENSITY * self.lengths * self.widths)
+
+    @cached_property
+    def moments(self) -> Array:
+        """Moment of inertia of each bench about its centre, (N,), kg m^2."""
+        return read_only(self.masses * (self.lengths**2 + self.widths**2) / 12)
 
     @cached_property
     def has_equal_benches(self) -> bool:

@@ -88,7 +88,8 @@ class Run(ArrayRecord):
         Rates of change of `poses`: m/s, m/s, rad/s. By default differences of the poses; frames
         that are less than 1e-7 s apart have the same.
     joint_forces : ndarray, shape (F, N - 1), optional
-        Mean force in pivot i, of benches i and i + 1, in the substep that ended at the frame, N.
+        Mean force in pivot i, of benches i and i + 1, in the substep that ended at the frame, N;
+        in a run of `pull` the force at the frame.
     events : ContactLog, optional
         Every collision callback.
     first_contact : Contact, optional
@@ -205,13 +206,16 @@ class Run(ArrayRecord):
         if touch is not None:
             status = "overlapping" if touch.time <= self.start else self.outcome
             lines = [contact_text(status, touch.benches, touch.point, touch.time)]
-        elif self.player == "exact":
+        elif self.is_exact_march:
             line = text("exact model until t = {t:.6g} s, without a search for contacts")
             lines = [line.format(t=until)]
         else:
             lines = [contact_text(self.outcome, None, None, until)]
 
-        if self.player != "exact":
+        if self.is_pulled:
+            line = text("at most {largest:.3f} m from the march with all benches on the path")
+            lines.append(line.format(largest=self.max_drift))
+        elif self.player != "exact":
             drift = text(
                 "drift {head:.3f} mm in the first twelve benches, {largest:.3f} mm anywhere"
             )
@@ -246,6 +250,16 @@ class Run(ArrayRecord):
             "realtime_factor": simulated / wall if simulated and wall else None,
             "driver_overhead": wall / stepping - 1 if wall and stepping else None,
         }
+
+    @property
+    def is_exact_march(self) -> bool:
+        """Whether the exact model played, with all benches on the path."""
+        return self.player == "exact" and self.free_from is None
+
+    @property
+    def is_pulled(self) -> bool:
+        """Whether the run is one of `pull`: exact, with benches that are free."""
+        return self.player == "exact" and self.free_from is not None
 
     @property
     def substep(self) -> float | None:

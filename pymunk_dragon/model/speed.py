@@ -120,6 +120,18 @@ class SpeedTable:
         """Speed (T,), m/s, at times `t` (T,) in s."""
         return np.asarray(np.interp(numbers("t", t), *self._knots[:2]))
 
+    def acceleration(self, t: ArrayLike) -> Array:
+        """Rate of change (T,) of the speed, m/s^2, at times `t` (T,) in s; at an entry, after it.
+
+        Examples
+        --------
+        >>> SpeedTable([0, 10], [1, 3]).acceleration([-1.0, 0.0, 5.0, 10.0]).tolist()
+        [0.0, 0.2, 0.2, 0.0]
+        """
+        times, _, accelerations, _ = self._knots
+        known = np.concatenate([[0.0], accelerations])
+        return np.asarray(known[np.searchsorted(times, numbers("t", t), side="right")])
+
     def distance(self, t: ArrayLike) -> Array:
         """Distance (T,), m, travelled from time 0 to `t` (T,) in s; negative before 0."""
         t = _rounded(numbers("t", t))

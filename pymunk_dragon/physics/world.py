@@ -28,9 +28,6 @@ from pymunk_dragon.physics.warm_start import set_impulses
 # Guides that have a name, as in `simulate(guide=...)`.
 GUIDES: dict[str, type[PathGuide]] = {"rails": Rails, "none": NoGuide}
 
-# kg/m^2: planks of pine, 4 cm thick. All benches have it, so it only scales impulses.
-_AREA_DENSITY = 20.0
-
 # Coefficient of friction of wood on wood; it matters only where contacts are resolved.
 _FRICTION = 0.4
 
@@ -152,9 +149,9 @@ class World:
         self.top_speed = top_speed(march, start, until)
 
         dragon = march.dragon
-        self.masses = _AREA_DENSITY * dragon.lengths * dragon.widths
+        self.masses = dragon.masses
         sizes = list(zip(dragon.lengths.tolist(), dragon.widths.tolist(), strict=True))
-        self.moments = np.array(list(map(pymunk.moment_for_box, self.masses, sizes)))
+        self.moments = dragon.moments
 
         self.space = pymunk.Space()
         # A contact is reported when the benches touch, not when they are a tenth of a metre deep.

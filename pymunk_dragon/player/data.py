@@ -195,8 +195,8 @@ def _exact_offsets(run: Run) -> Array | None:
     """Vectors (K, H, 2) in m from the handles to the exact model's.
 
     There are those of the first K frames, in which the model has a state. None in a run of the
-    exact model, and if the run's position errors are unknown or refer to other times, as after a
-    change of the speed in a live session.
+    exact model, whose benches have no error on the path and off it, and if the run's position
+    errors are unknown or refer to other times, as after a change of the speed in a live session.
     """
     if run.player == "exact":
         return None

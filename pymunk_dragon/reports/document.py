@@ -57,7 +57,7 @@ _UNITS = dict.fromkeys(
     ("head_spacing", "body_spacing", "overhang", "width", "pitch", "radius", "length"), " m"
 )
 _UNITS |= dict.fromkeys(("start", "until", "substep", "frame_interval"), " s")
-_UNITS |= {"start_s": " m", "drag": " 1/m", "head_force": " N"}
+_UNITS |= {"start_s": " m", "drag": " 1/m", "ground_drag": " 1/m", "head_force": " N"}
 
 _Row = Sequence[str]
 
@@ -95,7 +95,7 @@ def headline(summary: Summary) -> str:
     exact = summary.exact
     if run.outcome == "unreachable":
         template = text("No contact until {end}, where the head reaches the end of the curve")
-    elif run.player == "exact" and (exact is None or exact.status != "clear"):
+    elif run.is_exact_march and (exact is None or exact.status != "clear"):
         # The exact player does not detect contacts, and the exact model does not exclude one.
         template = text("The dragon from {begin} to {end}")
     else:
@@ -119,6 +119,8 @@ def subtitle(summary: Summary) -> str:
 
     player = json_values(summary.run.player)
     played = text(_PLAYERS.get(player, "played by {player}")).format(player=player)
+    if summary.run.is_pulled:
+        played = text("pulled without a guide, by the exact model")
     speed = _speed(scenario["speed"])
     template = text("A dragon of {benches} benches at {speed} on a {curve}, {player}")
     return template.format(benches=scenario["benches"], speed=speed, curve=curve, player=played)
@@ -129,7 +131,7 @@ def sections(summary: Summary) -> list[Section]:
     log = summary.run.events
     return [
         _first_contact(summary),
-        _near_misses(summary.near_misses or ()),
+        *([] if summary.run.is_pulled else [_near_misses(summary.near_misses or ())]),
         _windows(log.windows()),
         _position_errors(summary),
         _events(log),
@@ -167,7 +169,7 @@ def _first_contact(summary: Summary) -> Section:
             (text("Normal, from the first to the second"), _vector(contact.normal, 6)),
         ]
         # Only the engine detects contacts by an overlap.
-        if contact.depth:
+        if contact.depth and summary.run.player != "exact":
             detected = _number(contact.raw_time, 6, " s")
             rows.append((text("Detected at the end of a substep"), detected))
             rows.append((text("Depth when detected"), _size(contact.depth)))
@@ -248,9 +250,12 @@ def _comparison(summary: Summary) -> str:
         same = text("The same benches touch in the exact model; the contact of the run is {error}.")
         notes.append(same.format(error=error))
 
-    if exact is not None and (run.player != "exact" or not contact):
+    if exact is not None and not (run.is_exact_march and contact):
         result = contact_text(exact.status, exact.benches, exact.point, exact.time, 9)
-        notes.append(text("The exact model: {result}.").format(result=result))
+        template = text("The exact model: {result}.")
+        if summary.run.is_pulled:
+            template = text("With all benches on the path: {result}.")
+        notes.append(template.format(result=result))
     return " ".join(notes)
 
 
@@ -264,17 +269,27 @@ def _cut(heads: _Row, rows: Sequence[_Row], count: int, left: Sequence[int]) -> 
 
 
 def _position_errors(summary: Summary) -> Section:
-    """Largest position errors with bench and time; a run of the exact model has none."""
+    """Largest position errors with bench and time; a run of the exact model has none.
+
+    Benches that are pulled exactly have distances from the path, which are no errors.
+    """
+    title = text("Position error")
     note = text(
         "Distance of a bench's hole from the exact model's position, "
         "for the hole with the larger distance."
     )
+    if summary.run.is_pulled:
+        title = text("Distance from the march")
+        note = text(
+            "Distance of a bench's hole from its position with all benches on the path, "
+            "for the hole with the larger distance."
+        )
     drift = summary.drift
     first = text("Largest of the first {count} benches").format(count=drift["head_benches"])
     labels = {"head": first, "max": text("Largest of any bench")}
 
     rows = []
-    for name, label in labels.items() if summary.run.player != "exact" else ():
+    for name, label in labels.items() if not summary.run.is_exact_march else ():
         error = _size(drift[name])
         peak = drift[f"{name}_at"]
         if peak is not None:
@@ -282,7 +297,7 @@ def _position_errors(summary: Summary) -> Section:
             template = text("{error} (bench {bench} at {time})")
             error = template.format(error=error, bench=peak["bench"], time=time)
         rows.append((label, error))
-    return Section("drift", text("Position error"), note, {"": Table(rows)})
+    return Section("drift", title, note, {"": Table(rows)})
 
 
 def _value(value: Any) -> str:

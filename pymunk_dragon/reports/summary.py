@@ -39,8 +39,8 @@ class Summary:
 
     @property
     def near_misses(self) -> tuple[NearMiss, ...] | None:
-        """Near misses of the exact model, by time; None if unknown."""
-        return None if self.exact is None else self.exact.near_misses
+        """Near misses of the exact model, by time; None if unknown, as where benches are pulled."""
+        return None if self.exact is None or self.run.is_pulled else self.exact.near_misses
 
     @property
     def exact_contact(self) -> Contact | None:
@@ -150,7 +150,7 @@ def summarize(run: Run) -> Summary:
 
     summary = Summary(run=run, exact=exact)
     contact = summary.exact_contact
-    if contact is None or run.player != "exact":
+    if contact is None or not run.is_exact_march:
         return summary
     # A run of the exact model gets a frame at the contact.
     played = Run.exact(run.march, np.union1d(run.times, contact.time))

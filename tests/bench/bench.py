@@ -40,6 +40,8 @@ from pymunk_dragon import (
     UTurn,
     World,
     first_contact,
+    joint_forces,
+    pull,
     separation,
 )
 from pymunk_dragon._arrays import Array
@@ -462,10 +464,56 @@ def sweep_map() -> None:
     print(f"{found.points} points: {found.seconds / 60:.1f} minutes, {found.failed} failed")
 
 
+def errors_of_tolerances() -> None:
+    """Largest position error of frames, m, and error of the contact, s, by tolerance."""
+    turn = March(Dragon(benches=sized(100, 6)), UTurn(), start_s=-2.0)
+    cases = [(March(), sized(11.0, 1.0)), (turn, sized(20.0, 3.0))]
+    best = [pull(each, until=until, tolerance=1e-12) for each, until in cases]
+    for tolerance in (1e-4, 1e-6, 1e-9, 1e-11):
+        row = f"| {tolerance:g} | "
+        for (each, until), known in zip(cases, best, strict=True):
+            found = pull(each, until=until, tolerance=tolerance)
+            common = np.intersect1d(found.times, known.times)
+            apart = found.poses_at(common)[..., :2] - known.poses_at(common)[..., :2]
+            row += f"{np.linalg.norm(apart, axis=-1).max():.1e} | "
+            one, other = found.first_contact, known.first_contact
+            row += f"{abs(one.time - other.time):.1e} | " if one and other else "- | "
+        print(row, flush=True)
+
+
+def pulled() -> None:
+    """First contacts of the pulled dragon by drag, and forces in its joints (`dynamics`)."""
+    for drag in sized((0.0, 0.25, 0.5, 1.0, 11.5, 200.0), (11.5,)):
+        found = pull(March(), until=sized(13.0, 0.2), drag=drag)
+        touch = found.first_contact
+        print(f"| {drag:g} | {touch and touch.benches} | {touch and round(touch.time, 9)} |")
+    times = [5.0, 100.0, 400.0]
+    for push in (True, False):
+        print(f"push {push}: {joint_forces(March(), times, push=push)[:, 0].round(3)} N")
+    found = pull(March(), until=sized(5.0, 0.2))
+    assert found.joint_forces is not None
+    forces = found.joint_forces[:, 0]
+    print(f"pulled: {forces[-1]:.2f} N, at most {forces.max():.0f} N", end=" ")
+    print(f"at {found.times[forces.argmax()]:.1f} s")
+
+
+def pull_speed() -> None:
+    """Processor time of `simulate` and `pull` for 1,000 benches and 10.8 s (`dynamics`)."""
+    march = March(Dragon(benches=sized(1000, 5)))
+    until = sized(10.8, 0.2)
+    works = {
+        "simulate": partial(simulate, march, guide="none", until=until),
+        "pull": partial(pull, march, until=until, tolerance=1e-6),
+    }
+    compare(works, sized(7, 1), time.process_time)
+
+
 OF_MOTION = (answers, march, contact, time_of_impact, engine, drift, pile_up)
+OF_DYNAMICS = (errors_of_tolerances, pulled, pull_speed)
 OF_PICTURES_AND_SWEEPS = (film, debug_draw, sweep_overhead, sweep_efficiency, sweep_map)
 BENCHMARKS = {
-    each.__name__.replace("_", "-"): each for each in (*OF_MOTION, *OF_PICTURES_AND_SWEEPS)
+    each.__name__.replace("_", "-"): each
+    for each in (*OF_MOTION, *OF_DYNAMICS, *OF_PICTURES_AND_SWEEPS)
 }
 
 if __name__ == "__main__":

@@ -276,6 +276,7 @@ CALLS = {
     ),
     "SpeedTable.read": (dragons.SpeedTable.read, {"path": ("speed.csv", "path")}),
     "SpeedTable.at": (TABLE.at, {"t": TIMES}),
+    "SpeedTable.acceleration": (TABLE.acceleration, {"t": TIMES}),
     "SpeedTable.distance": (TABLE.distance, {"t": TIMES}),
     "SpeedTable.time": (TABLE.time, {"distance": TIMES}),
     "SpeedTable.fastest": (TABLE.fastest, {"start": FLOAT, "until": FLOAT}),
@@ -367,6 +368,18 @@ CALLS = {
     ),
     "World.read": (lambda: changed("read"), {}),
     "World.hold": (lambda: changed("hold"), {}),
+    # Exact dynamics.
+    "pull": (
+        dragons.pull,
+        {
+            **{"march": ONE_MARCH, **WINDOW, "free_from": (1, "int")},
+            **{"drag": FLOAT, "tolerance": (1e-6, "number")},
+        },
+    ),
+    "joint_forces": (
+        dragons.joint_forces,
+        {"march": ONE_MARCH, "times": TIMES, "drag": FLOAT, "push": FLAG},
+    ),
     # Pictures.
     "Camera": (Camera, {"follow": ("head", "text"), "span": OPTIONAL}),
     "Film": (Film, FILM),

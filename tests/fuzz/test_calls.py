@@ -29,6 +29,7 @@ MAX_SECONDS = 30.0
 PACKAGES = [
     "",
     ".collision",
+    ".dynamics",
     ".drawing",
     ".drawing.debug_draw",
     ".drawing.figures",

@@ -5,7 +5,7 @@
 
 Sixteen benches at the start, as they close a loop, and at their first contact (figures 3 to 5 of
 the paper); the spiral (figure 2), and the trajectories and velocities of seven handles (figures 7
-and 8); speeds along the dragon; and forces in the joints of a run of the engine. The grid (figure
+and 8); speeds along the dragon; and forces in the joints of a run. The grid (figure
 6) and the gap before the head are in `pymunk_dragon.collision`, the drift of a run is in
 `pymunk_dragon.physics`.
 

@@ -307,7 +307,8 @@ def _drift(source: FigureSource) -> Figure:
     from matplotlib.ticker import EngFormatter
 
     run = source.run
-    if run is None or len(run.times) == 1 or not run.max_drift > 0:
+    # Benches that the head pulls exactly are off the path, and no error.
+    if run is None or run.is_pulled or len(run.times) == 1 or not run.max_drift > 0:
         raise ParameterError("run", run and "one without position errors", "a run of `simulate`")
     metres = EngFormatter("m", places=1)
     title = text("The largest position error in a frame is {}").format(metres(run.max_drift))
@@ -345,9 +346,9 @@ def _drift(source: FigureSource) -> Figure:
 
 
 def _impulses(source: FigureSource) -> Figure:
-    """Draw the force in every joint at several times: the mean over a substep."""
+    """Draw the force in every joint at several times; that of an engine is a substep's mean."""
     run = source.run
-    if run is None or run.joint_forces is None or run.substep is None:
+    if run is None or run.joint_forces is None:
         raise ParameterError("run", run and "one without forces in joints", "a run of `simulate`")
     # The frame of the contact follows a shortened substep, in which the joint solver has not
     # converged.
@@ -362,8 +363,11 @@ def _impulses(source: FigureSource) -> Figure:
     several = _several_times(times[0], times[-1])
     rows = np.unique(np.searchsorted(times, several))
     title = text("The joints carry up to {:.2f} N").format(forces[rows].max())
-    subtitle = text("force in every joint, N: the mean over a substep of {:g} ms")
-    figure, axes = slide(title, subtitle.format(1e3 * run.substep))
+    subtitle = text("force in every joint, N")
+    if run.substep is not None:
+        of_engine = text("force in every joint, N: the mean over a substep of {:g} ms")
+        subtitle = of_engine.format(1e3 * run.substep)
+    figure, axes = slide(title, subtitle)
     joint = text("joint, from the head to the tail; joint i is between benches i and i + 1")
     _bundle(axes, forces[rows], times[rows], "impulse", joint)
     return figure
@@ -414,5 +418,5 @@ FIGURES: Mapping[str, NamedFigure] = {
     "gap": NamedFigure("how near the head comes to the benches that it passes", _gap),
     "speeds": NamedFigure("speed along the dragon at several times", _speeds),
     "drift": NamedFigure("how far the engine is from the exact model", _drift),
-    "impulses": NamedFigure("forces in the joints of a run of the engine", _impulses),
+    "impulses": NamedFigure("forces in the joints of a run", _impulses),
 }

@@ -181,16 +181,19 @@ def _headings(takes: Sequence[Take], film: Film) -> Sequence[str]:
 
 
 def _model(run: Run | None) -> str:
-    """Name of the model that computed a run, with what its guide does, or of the exact model."""
-    if run is None or run.player == "exact":
+    """Name of the model that computed a run, with what its guide does."""
+    if run is None or run.is_exact_march:
         return text("exact model")
     # A guide of the user's own has no other name.
     guide = run.guide
     if run.free_from == 1:
         guide = text("only the head is guided")
+    elif run.free_from is not None:
+        guide = text("benches are free from bench {bench} on").format(bench=run.free_from)
     elif guide == "rails":
         guide = text("dancers guide every bench")
-    return text(": ").join(filter(None, (text("engine"), guide)))
+    model = text("exact model") if run.player == "exact" else text("engine")
+    return text(": ").join(filter(None, (model, guide)))
 
 
 def _row(parts: Sequence[Image.Image], width: int) -> Image.Image:

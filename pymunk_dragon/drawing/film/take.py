@@ -166,11 +166,14 @@ def _first_contact_until(march: March, start: float, until: float) -> FirstConta
 
 
 def _beside(source: Snapshots, sources: Sequence[Snapshots]) -> Run | None:
-    """Run that is shown beside its exact march."""
+    """Run that is shown beside its exact march, with its position errors.
+
+    Benches that the head pulls exactly have none.
+    """
     if source.run is not None:
         return None
     runs = (other.run for other in sources if other.march is source.march)
-    return next((run for run in runs if run is not None), None)
+    return next((run for run in runs if run is not None and not run.is_pulled), None)
 
 
 def _searched(takes: Sequence[Take], film: Film) -> Window | None:

@@ -43,6 +43,9 @@ class Curve(ABC):
     ``class Name(Curve, kind="name")`` also registers a dataclass, so that scenario files and saved
     runs may contain it.
 
+    A class whose curvature jumps says where, in `curvature_jumps`: exact dynamics are faster and
+    more exact with it.
+
     A point of the path is given by its arc-length coordinate ``s`` in m, which grows in the
     direction of travel; each curve defines its zero. Coordinates may be arrays of any shape;
     results have that shape, or that shape + (2,) for points and vectors. Beyond the ends they are
@@ -90,6 +93,8 @@ class Curve(ABC):
     circles: tuple[tuple[float, float, float], ...] = ()
     # Finite coordinates, m, at which pieces inside this curve begin or end, by their own zero.
     inner_ends: tuple[float, ...] = ()
+    # Coordinates, m, at which the curvature may jump.
+    curvature_jumps: tuple[float, ...] = ()
 
     # First and last coordinate, m; infinite on a path without begin or end.
     begin_s: float

@@ -109,6 +109,10 @@ class Composite(PackageCurve, kind="composite"):
         for piece in pieces:
             ends += [piece.begin_s, piece.end_s, *piece.inner_ends]
         self._set(inner_ends=tuple(filter(math.isfinite, ends)))
+        jumps = list(joints)
+        for each in links:
+            jumps += [jump - each.shift for jump in _inner_jumps(each.curve)]
+        self._set(curvature_jumps=tuple(sorted(jumps)))
 
     def _check_joint(self, number: int, before: Curve, after: Curve) -> None:
         """Refuse two curves that do not meet at joint `number`, counted from 1."""
@@ -188,6 +192,11 @@ class Composite(PackageCurve, kind="composite"):
         return estimate - first.parameter_shift
 
 
+def _inner_jumps(curve: Curve) -> list[float]:
+    """Coordinates of a curve, between its ends, at which its curvature may jump, m."""
+    return [jump for jump in curve.curvature_jumps if curve.begin_s < jump < curve.end_s]
+
+
 def _last_parameter(curve: Curve) -> float:
     """Parameter at the end of a curve."""
     return float(curve._parameter(np.array(curve.end_s))) if curve.end_s < np.inf else np.inf
@@ -229,6 +238,7 @@ class Section(PackageCurve, kind="section"):
             bound = f"a coordinate on the curve after {begin:g} m, at most {last:g} m"
             raise ParameterError("end_s", self.end_s, bound)
         self._set(begin_s=begin, end_s=end)
+        self._set(curvature_jumps=self.curve.curvature_jumps)
 
     def _frame(self, s: Array) -> tuple[Array, Array]:
         return self.curve.frame(s)
@@ -278,6 +288,8 @@ class Reversed(PackageCurve, kind="reversed"):
     def __post_init__(self) -> None:
         required_curve(self.curve)
         self._set(begin_s=-self.curve.end_s, end_s=-self.curve.begin_s)
+        jumps = reversed(self.curve.curvature_jumps)
+        self._set(curvature_jumps=tuple(-jump for jump in jumps))
 
     def _frame(self, s: Array) -> tuple[Array, Array]:
         points, tangents = self.curve.frame(-s)
