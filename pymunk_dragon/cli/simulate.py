@@ -49,7 +49,7 @@ _GUIDE = f"The guide, which keeps the benches on the path: {', '.join(physics.GU
     "--iterations",
     type=int,
     metavar="N",
-    help="Solver iterations.  [10, or 60 if contacts are resolved]",
+    help="Solver iterations.  [10; 15 without a guide; 60 if contacts are resolved]",
 )
 @click.option(
     "--frame-interval",

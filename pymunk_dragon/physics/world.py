@@ -20,6 +20,7 @@ from pymunk_dragon.model.speed import MAX_TIME
 from pymunk_dragon.physics.buffers import POSES, VELOCITIES, Buffers
 from pymunk_dragon.physics.dancers import Dancers
 from pymunk_dragon.physics.guide import NoGuide, PathGuide
+from pymunk_dragon.physics.mid_torque import MidTorque
 from pymunk_dragon.physics.rails import Rails
 from pymunk_dragon.physics.readings import JointForces
 from pymunk_dragon.physics.substep import next_length
@@ -173,6 +174,11 @@ class World:
         self.velocities = np.zeros((dragon.benches, 3))
         # Half a step times the change of velocity in the last step.
         self._shift = np.zeros((dragon.benches, 3))
+        # Length of the next step over that of the last one.
+        self._ratio = 1.0
+        # The guide's forces in the last step, N, N, N m.
+        self._pushes = np.zeros((dragon.benches, 3))
+        self._mid_torque = MidTorque(dragon, self.masses)
 
         # In this order: a guide reads the settings when it is attached, and its anchors and joints
         # exist from then on. The warm start needs all joints, and makes steps in which benches must
@@ -205,7 +211,9 @@ class World:
         The default head force follows from the drag that the head balances now.
         """
         pulled = self._dancers.pulled_mass()
-        self.settings = self._given.resolved(top_speed=self.top_speed, pulled_mass=pulled)
+        self.settings = self._given.resolved(
+            top_speed=self.top_speed, pulled_mass=pulled, holds_all=self.guide.free_from is None
+        )
         assert self.settings.iterations is not None  # Set by `resolved`.
         self._choose_substep()
         self.space.iterations = self.settings.iterations
@@ -283,14 +291,35 @@ class World:
         velocities = self._buffers.read(VELOCITIES)
         before = self._shift
         self._shift = self.substep / 2 * (velocities - self.velocities)
+        first = self._pulled_from
+        if first is not None:
+            self._read_forces(velocities)
         self.velocities = velocities
         self.poses = self.collided_poses
         if self.settings.contacts != "resolve":
             correction = self._shift - before
             # The head has its exact pose.
             correction[0] = 0.0
+            if first is not None:
+                correction[first:] *= _moulton(self._ratio)
             self.poses = self.collided_poses + correction
         self._choose_substep()
+
+    def _read_forces(self, velocities: Array) -> None:
+        """Take the forces in the joints from the step that has ended with `velocities`."""
+        kept = math.exp(-self.drag_rate * self.substep)
+        gains = (velocities - kept * self.velocities) / self.substep
+        self._mid_torque.after_step(gains[:, :2], self._pushes[:, :2])
+
+    @property
+    def _pulled_from(self) -> int | None:
+        """First of the benches that move by the rules of second order; None if no bench does.
+
+        Dancers who carry benches back pull them at other points than the joints.
+        """
+        if self.settings.order == 1 or self.returning:
+            return None
+        return self.free_from
 
     def prepare(self, states: States, row: int = 0, share: float = 1.0) -> None:
         """Make the next step end with the head in the state at time number `row` of `states`.
@@ -302,6 +331,9 @@ class World:
         instance("states", states, States, "the States of a march")
         row = whole("row", row, 0, len(states.times) - 1)
         share = finite("share", share, 0.0, _MAX_SPEEDUP, "")
+        # After a step of another length, the change of velocity in the next one is another.
+        self._ratio = self.substep / self.space.current_time_step
+        self._shift *= self._ratio**2
         given = self.poses + self._shift
         self._buffers.poses[:] = given
         self._send(given + self.substep * self.velocities, states, row, share)
@@ -368,8 +400,14 @@ class World:
         """Write the head's pose, and anchors and forces for the poses `coming`, to the spaces."""
         buffers = self._buffers
         hinge_velocity = share * states.velocities[row, 1]
-        self.guide.update(coming, hinge_velocity, buffers.anchors, buffers.forces)
-        self._dancers.limit(buffers.forces)
+        self.guide.update(coming, hinge_velocity, buffers.anchors, self._pushes)
+        self._dancers.limit(self._pushes)
+        buffers.forces[:] = self._pushes
+        first = self._pulled_from
+        if first is not None:
+            decay = self.drag_rate * self.substep
+            torques = self._mid_torque.torques(first, self.poses, coming, decay)
+            buffers.forces[first:, 2] += torques
 
         velocity = share * states.pose_velocities[row, 0]
         buffers.control[:] = states.poses[row, 0] - self.substep * velocity
@@ -403,7 +441,8 @@ class World:
         # The guide balances the change from one step to the next: it is updated for the earlier
         # state first.
         hinge_velocity = earlier.velocities[0, 1]
-        self.guide.update(earlier.poses[0], hinge_velocity, buffers.anchors, buffers.forces)
+        self.guide.update(earlier.poses[0], hinge_velocity, buffers.anchors, self._pushes)
+        self.poses = poses
         buffers.poses[:] = poses - self.substep * before
         self._send(poses, state, 0, 1.0)
 
@@ -426,10 +465,19 @@ class World:
         self.space.step(self.substep)
         self.space.iterations = iterations
 
-        _set_velocities(self.bodies, velocities)
         self.velocities = before
+        free = self._buffers.read(VELOCITIES)
+        _set_velocities(self.bodies, velocities)
         self.read()
         self.poses = poses
+        first = self._pulled_from
+        if first is not None:
+            # Benches that were held on the path until now begin to be pulled: their acceleration
+            # changes at once.
+            self.velocities = before
+            self._read_forces(free)
+            self.velocities = velocities
+            self._shift[first:] = self.substep / 2 * (free - before)[first:]
 
     @property
     def free_from(self) -> int | None:
@@ -444,6 +492,9 @@ class World:
     def release(self, bench: int) -> None:
         """Let the dancers of `bench`, from 1 on, and of all behind it go."""
         bench = whole("bench", bench, 1, len(self.pivots))
+        if self._pulled_from is None:
+            # Forces of an earlier time without dancers are no longer true.
+            self._mid_torque = MidTorque(self.march.dragon, self.masses)
         self._dancers.release(bench, self.settings.drag)
         self._apply_settings()
 
@@ -461,6 +512,14 @@ class World:
         joint = whole("joint", joint, 0, len(self.pivots) - 1)
         self._dancers.cut(joint, self.settings.drag)
         self._apply_settings()
+
+
+def _moulton(ratio: float) -> float:
+    """Factor on a trapezoidal rule's correction that makes it the Adams-Moulton rule of order 3.
+
+    The step is `ratio` times as long as the one before. Where both are equal, the factor is 5/6.
+    """
+    return 1 - ratio / (3 + 3 * ratio)
 
 
 def _set_velocities(bodies: Sequence[pymunk.Body], velocities: Array) -> None:
