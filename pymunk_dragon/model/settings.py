@@ -17,9 +17,11 @@ _Contacts = Literal["stop", "report", "resolve"]
 _STRIDE = 1 / 50
 # Solver iterations in a substep.
 _ITERATIONS = 10
-# Iterations where benches are only pulled, whose joints carry the drag on all benches behind: with
-# 10, the first contact of the reference march is 0.242 ms early, with 15, 0.132 ms.
-_PULL_ITERATIONS = 15
+# m that the head travels in one substep where benches are only pulled. The first contact of the
+# reference march is 0.107 ms early; with 1/50 m and 10 iterations, which take longer, 0.242 ms.
+_PULL_STRIDE = 1 / 40
+# Iterations there: the joints carry the drag on all benches behind.
+_PULL_ITERATIONS = 20
 # m that the head travels in one substep where contacts are resolved.
 _RESOLVE_STRIDE = 1 / 200
 # Iterations there: with 10, gaps in the loaded joints are five times as wide.
@@ -28,8 +30,8 @@ _RESOLVE_ITERATIONS = 60
 MAX_STRIDE = 0.1
 # m. Shorter substeps take days for a march.
 _MIN_STRIDE = 1e-5
-# Ground drag, per metre marched (per second at 1 m/s). It has to be faster than Pymunk's correction
-# of joint errors, 6.3 per second (its error_bias, 0.9 ** 60): the docstring of `physics` says why.
+# Ground drag, per metre marched (per second at 1 m/s): faster than Pymunk's correction of joint
+# errors, 6.3 per second (its error_bias, 0.9 ** 60). The docstring of `physics` says what that does.
 _DRAG = 11.5
 # Largest force of the head's motor, in units of the ground drag on what the head has to pull.
 _HEAD_FORCE = 2.0
@@ -57,11 +59,11 @@ class EngineSettings:
         along the march by a motor of finite force, and the dancers stop where the head cannot go
         on.
     substep : float, optional
-        Length of a step, s. By default the time in which the head travels 20 mm; 5 mm where
-        contacts are resolved.
+        Length of a step, s. By default the time in which the head travels 20 mm; 25 mm with a
+        guide that does not hold all benches, as "none"; 5 mm where contacts are resolved.
     iterations : int, optional
-        Solver iterations in a step. By default 10; 15 with a guide that does not hold all benches,
-        as "none"; 60 where contacts are resolved.
+        Solver iterations in a step. By default 10; 20 with such a guide; 60 where contacts are
+        resolved.
     drag : float
         Ground drag on the benches, per metre marched: velocities decay at this rate times the
         head's top speed.
@@ -117,7 +119,7 @@ class EngineSettings:
         top_speed = positive("top_speed", top_speed, math.inf, "m/s")
         pulled_mass = positive("pulled_mass", pulled_mass, math.inf, "kg")
         holds_all = flag("holds_all", holds_all)
-        stride = _STRIDE
+        stride = _STRIDE if holds_all else _PULL_STRIDE
         iterations = _ITERATIONS if holds_all else _PULL_ITERATIONS
         force = None
         if self.contacts == "resolve":
