@@ -351,9 +351,9 @@ def _drift(source: FigureSource) -> Figure:
 
 
 def _impulses(source: FigureSource) -> Figure:
-    """Draw the force in every joint at several times: the mean over a substep."""
+    """Draw the force in every joint at several times."""
     run = source.run
-    if run is None or run.joint_forces is None or run.substep is None:
+    if run is None or run.joint_forces is None:
         raise ParameterError("run", run and "one without forces in joints", "a run of `simulate`")
     # The frame of the contact follows a shortened substep, in which the joint solver has not
     # converged.
@@ -368,8 +368,7 @@ def _impulses(source: FigureSource) -> Figure:
     several = _several_times(times[0], times[-1])
     rows = np.unique(np.searchsorted(times, several))
     title = text("The joints carry up to {:.2f} N").format(forces[rows].max())
-    subtitle = text("force in every joint, N: the mean over a substep of {:g} ms")
-    figure = slide(title, subtitle.format(1e3 * run.substep))
+    figure = slide(title, text("force in every joint, N"))
     joint = text("joint, from the head to the tail; joint i is between benches i and i + 1")
     _bundle(panels(figure), forces[rows], times[rows], "impulse", joint)
     return figure
