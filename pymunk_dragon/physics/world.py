@@ -207,7 +207,7 @@ class World:
         Where a guide knows them, these are the forces that the motion of the benches needs.
         Elsewhere they come from the impulses. The drag reduces what a force adds to a velocity
         within the step already, so an impulse is smaller than force times length, by the share
-        (1 - exp(-x)) / x for x = drag rate times length: by 10.7 % with the default settings.
+        (1 - exp(-x)) / x for x = drag rate times length: by 10.7 % in 20 ms at 1 m/s.
         """
         length = self.space.current_time_step
         if not self._is_disturbed():
