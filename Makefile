@@ -218,6 +218,7 @@ lint: $(VENV)/tools $(if $(NODE),$(SCRIPT_TOOLS))
 
 bench: $(VENV)/tools ## measure the figures that README and the documentation quote
 	$(BIN)/python tests/bench/bench.py
+	$(BIN)/python tests/bench/order.py
 
 clean: ## remove what the targets made, but not the gallery
 	rm -rf $(VENV) .venv-* renders/*.npz renders/*.html renders/docs renders/.commands renders/.new

@@ -7,17 +7,22 @@ from importlib.util import find_spec
 
 import bench
 import bench_live
+import order
 import pytest
 from browser import needs_browser
 from documents import DOCUMENTS, ROOT
 
-NAMES = {"bench.py": bench.BENCHMARKS, "bench_live.py": bench_live.BENCHMARKS}
+NAMES = {
+    "bench.py": bench.BENCHMARKS,
+    "order.py": order.BENCHMARKS,
+    "bench_live.py": bench_live.BENCHMARKS,
+}
 
 
 @pytest.mark.thorough
 @pytest.mark.parametrize(
     ("script", "name"),
-    [("bench.py", name) for name in bench.BENCHMARKS]
+    [(script, name) for script in ("bench.py", "order.py") for name in NAMES[script]]
     + [pytest.param("bench_live.py", name, marks=needs_browser) for name in bench_live.BENCHMARKS],
 )
 def test_benchmark_runs_at_a_small_size(script, name):

@@ -48,13 +48,13 @@ _GUIDE = f"The guide, which keeps the benches on the path: {', '.join(physics.GU
     "--substep",
     type=float,
     metavar="T",
-    help="Substep, s.  [20 mm of the head, or 5 mm to resolve]",
+    help="Substep, s.  [20 mm of the head; 25 mm without a guide; 5 mm to resolve]",
 )
 @click.option(
     "--iterations",
     type=int,
     metavar="N",
-    help="Solver iterations.  [10, or 60 if contacts are resolved]",
+    help="Solver iterations.  [10; 20 without a guide; 60 if contacts are resolved]",
 )
 @click.option(
     "--frame-interval",

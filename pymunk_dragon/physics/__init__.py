@@ -46,6 +46,35 @@ with it every acceleration: 128 µm in the first twelve benches and 133 µm anyw
 of 1/400 s and 60 iterations, 2 and 4 µm
 (`pymunk-dragon simulate --curve u-turn --from -100 --until 100`).
 
+## Where the head only pulls
+
+The continuous model is a chain of rigid benches on viscous ground. With c = drag times the head's
+top speed, joints and guide give each bench the force m (v' + c v) and the torque I (w' + c w); the
+head has its exact motion. Pymunk's `damping` of exp(-c) is this decay.
+
+Pymunk's own step is of first order. It is exact for momenta, but takes the lever arm of a joint's
+force at the end of the step, where the force acts during the step. The world adds the missing
+torque from the forces of the step before: the force along the bench times half the distance of its
+holes times its turn since the mean time of the force. Poses come from the Adams-Bashforth method,
+and are corrected by the Adams-Moulton method of order 3. The method is of second order then;
+`EngineSettings(order=1)` leaves Pymunk's step as it is.
+
+In the exact dynamics, benches 1 and 28 of the reference march touch first, at 10.892178138 s. Error
+of this contact, ms, and of the worst hole before it, mm, by substep and iterations
+(`python tests/bench/order.py`):
+
+| substep | order 1, 10 iterations | order 2, 10 iterations | order 2, 20 | order 2, 100 |
+| --- | --- | --- | --- | --- |
+| 40 ms | +4.054, 6.161 | -0.791, 2.258 | -0.164, 1.162 | +0.261, 0.611 |
+| 25 ms | +2.502, 4.108 | -0.360, 0.841 | -0.107, 0.446 (default) | +0.065, 0.240 |
+| 20 ms | +1.995, 3.173 | -0.242, 0.525 | -0.078, 0.275 | +0.033, 0.138 |
+| 10 ms | +0.993, 1.490 | -0.066, 0.128 | -0.025, 0.062 | +0.004, 0.026 |
+| 5 ms | +0.496, 0.724 | -0.017, 0.032 | -0.007, 0.015 | +0.000, 0.006 |
+
+Forces in the joints are those that act (`World.joint_forces`): without a guide within 0.1 % of the
+exact tension of the first joint, on rails within 0.01 % of the largest force. Impulses over the
+step are lower: by 10.7 % in steps of 20 ms without a guide, and by 15 to 22 % on rails.
+
 ## What makes the engine exact
 
 In the order of their effect:
@@ -64,9 +93,12 @@ In the order of their effect:
   rails between the two 62 µm, and rails before both 92 µm; the pivots among themselves may stand in
   any order (28 to 30 µm). Where contact forces load the joints, rails between the two pivots are
   better: in the pile below the largest gap is 0.032 mm, with all rails last 0.039 mm.
-- **Drag.** Pymunk corrects joint errors with ordinary velocity. A chain whose solver has not
-  converged turns that into growing oscillations, unless ground drag is faster. With dancers who
-  make up for it, any drag from 5 to 20 a second gives a drift of 24 to 34 µm.
+- **Drag.** Pymunk corrects joint errors with ordinary velocity, 6.3 per second (an `error_bias` of
+  0.9 ** 60). A chain on rails whose solver has not converged turns that into growing oscillations,
+  unless ground drag is about as fast. With dancers who make up for it, any drag from 5 to 20 a
+  second gives a drift of 24 to 34 µm from 400 s on, a drag of 2 a second 9 mm. A faster correction
+  (`error_bias` 1e-6) halves the drift of the whole march, 19.2 to 9.3 µm. But in the turn of
+  question 4 the drift grows from 133 to 191 µm, and with a drag of 5 a second the chain flies apart.
 - **Warm start.** The solver starts each step with the impulses of the step before. Before the first
   step they are those in balance, which elimination finds in a time that grows with the number of
   benches (0.07 s for 1,000).
@@ -75,8 +107,9 @@ In the order of their effect:
 
 With `--contacts resolve` the run goes on after the first contact. The head is then pulled along its
 path by a motor of finite force (`--head-force`, in N), the march waits for a head that cannot
-follow it, and the dancers brake with it, so the dragon comes to rest where it hit itself. The
-default force is twice the ground drag on the head. From the first contact to 10 s after it
+follow it, and the dancers brake with it. The head slides on for 105 mm with substeps of 5 ms, and
+for 72 mm with 2 ms, nearly all of it in the first 5 s. The default force is
+twice the ground drag on the head. From the first contact to 10 s after it
 (`python tests/bench/bench.py pile-up`), with the largest distance of any bench in the last 5 s:
 
 | substep | force, N | largest joint gap, mm | deepest overlap, mm | last 5 s, mm |

@@ -84,6 +84,11 @@ class Dancers:
         """Whether dancers carry benches back."""
         return bool(self._return_joints)
 
+    @property
+    def push_all(self) -> bool:
+        """Whether the guide's forces act on all benches."""
+        return not self.returning and self._unpushed == self._dragon.benches
+
     def pulled_mass(self) -> float:
         """Mass of the benches on which the head balances the ground drag, kg."""
         if self.returning or not self._guide.balances_drag:

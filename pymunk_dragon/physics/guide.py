@@ -97,6 +97,19 @@ class PathGuide:
             Output: forces in N and torques in N m on the benches.
         """
 
+    def joint_forces(self, poses: Array, velocities: Array, accelerations: Array) -> Array | None:
+        """Forces (N - 1,) in the joints between the benches, N; None if only impulses tell them.
+
+        `World.joint_forces` calls this method while the guide holds all benches, and no contact
+        acts on them.
+
+        Parameters
+        ----------
+        poses, velocities, accelerations : ndarray, shape (N, 3)
+            Motion of the benches at the end of a step: m, m, rad, and per s and s^2.
+        """
+        return None
+
 
 class NoGuide(PathGuide):
     """The guide "none": the head pulls, and the other benches have only their joints."""

@@ -69,6 +69,7 @@ class Rails(PathGuide):
         expected = self._rear_s + self._rear_speeds * substep
         self._rear_s, feet, directions = self._curve.foot(as_vectors(holes), expected)
         tangents = as_complex(directions)
+        self._tangents = tangents
         anchors[:] = as_vectors(as_complex(feet) + tangents * (_PIN_LENGTH * 1j))
 
         motion = self._motion(complex(*hinge_velocity), along, tangents)
@@ -80,6 +81,47 @@ class Rails(PathGuide):
         forces[1:, :2] = as_vectors(along * push)
         forces[1:, 2] = torque
         self._last_motion = motion
+
+    def joint_forces(self, poses: Array, velocities: Array, accelerations: Array) -> Array:
+        """Forces (N - 1,) in the joints that the benches' motion needs, N.
+
+        From the tail to the head, each bench has three equations of motion for three unknowns: the
+        force in the joint before it, and the size of the rail's force at its rear hole. Dancers
+        change its speed along itself and its angular rate, and make up for the drag on both. The
+        other forces change its velocity across itself, and turn that along it.
+
+        Impulses show less. Within a step of Pymunk the drag reduces the velocities of the step
+        before, which have another direction than the dancers' push, so joints and rails give
+        exp(-x) of the change of direction only, x = drag rate times substep: 20.5 % less at the
+        default settings. Rails at their places at the end of the step, and ten iterations, change
+        that to 15 to 22 %. These forces are right to 0.01 % of the largest.
+        """
+        along = headings(poses[1:])
+        facing = along.conj()
+        drifts = (as_complex(velocities[1:, :2]) * facing).imag
+        gains = (as_complex(accelerations[1:, :2]) * facing).imag
+        masses = self._inertia[0]
+        # What the joints and the rail give to each bench, along it and across it.
+        needs = -masses * velocities[1:, 2] * drifts
+        across = masses * (gains + self._world.drag_rate * drifts)
+        # It has no torque about the centre. So the force in the joint before it has half of that
+        # across the bench, and the rail has what the joint behind it leaves of the other half.
+        rails = self._tangents * facing
+        slopes = -rails.imag / rails.real
+        turns = along[1:] * facing[:-1]
+        behind = 0.5j * across[1:] * turns
+        needs -= slopes * across / 2
+        needs[:-1] += behind.real - slopes[:-1] * behind.imag
+        kept = turns.real - slopes[:-1] * turns.imag
+
+        # From the tail on: the force along each bench in the joint before it.
+        force = 0.0
+        found = []
+        for need, share in zip(needs[::-1].tolist(), [0.0, *kept[::-1].tolist()], strict=True):
+            force = need + share * force
+            found.append(force)
+        forces: Array = np.hypot(found[::-1], across / 2)
+        return forces
 
     def _motion(self, hinge_velocity: complex, along: Complex, tangents: Complex) -> Array:
         """Speeds of the benches along themselves, m/s, and their angular rates, rad/s, (2, N - 1).

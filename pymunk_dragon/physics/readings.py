@@ -270,6 +270,11 @@ class Contacts:
         has_second = flags[:, 3] > 1
         return np.vstack([first, second[has_second]])
 
+    def push(self) -> bool:
+        """Whether a pair that touches had an impulse in the last step."""
+        pairs, _ = self._read(_EARLIER)
+        return bool(pairs.any())
+
     def _read(self, fields: ArbiterFields) -> tuple[Array, Any]:
         """Numbers (P, K) and (P, 4) of all pairs that touch."""
         self._buffer.clear()

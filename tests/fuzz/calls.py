@@ -162,6 +162,7 @@ ENGINE = {
         "iterations": (5, "int none"),
     },
     **{"drag": (11.5, "number"), "frame_interval": OPTIONAL, "head_force": OPTIONAL},
+    "order": (2, "int"),
 }
 WINDOW = {"start": (0.0, "number"), "until": (0.2, "number none")}
 SCENARIO = {
@@ -328,7 +329,7 @@ CALLS = {
     "EngineSettings": (dragons.EngineSettings, ENGINE),
     "EngineSettings.resolved": (
         dragons.EngineSettings().resolved,
-        {"top_speed": FLOAT, "pulled_mass": FLOAT},
+        {"top_speed": FLOAT, "pulled_mass": FLOAT, "holds_all": (True, "bool")},
     ),
     "simulate": (
         dragons.simulate,

@@ -45,7 +45,7 @@ OTHERS = "Curve Live PathGuide Rails PygameEvents Result Study styled_figure wri
 OTHER_METHODS = (
     "draw_circle draw_dot draw_fat_segment draw_polygon draw_segment draw_shape color_for_shape"
 )
-OTHER_METHODS += " attach joints relocate update key pointer wheel"
+OTHER_METHODS += " attach joints relocate joint_forces update key pointer wheel"
 FILES = {
     "points.csv": "0,0\n15,1\n30,0\n45,-8\n",
     "speed.csv": "0,1\n5,2\n",

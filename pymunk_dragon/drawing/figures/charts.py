@@ -346,7 +346,7 @@ def _drift(source: FigureSource) -> Figure:
 
 
 def _impulses(source: FigureSource) -> Figure:
-    """Draw the force in every joint at several times; that of an engine is a substep's mean."""
+    """Draw the force in every joint at several times."""
     run = source.run
     if run is None or run.joint_forces is None:
         raise ParameterError("run", run and "one without forces in joints", "a run of `simulate`")
@@ -363,11 +363,7 @@ def _impulses(source: FigureSource) -> Figure:
     several = _several_times(times[0], times[-1])
     rows = np.unique(np.searchsorted(times, several))
     title = text("The joints carry up to {:.2f} N").format(forces[rows].max())
-    subtitle = text("force in every joint, N")
-    if run.substep is not None:
-        of_engine = text("force in every joint, N: the mean over a substep of {:g} ms")
-        subtitle = of_engine.format(1e3 * run.substep)
-    figure, axes = slide(title, subtitle)
+    figure, axes = slide(title, text("force in every joint, N"))
     joint = text("joint, from the head to the tail; joint i is between benches i and i + 1")
     _bundle(axes, forces[rows], times[rows], "impulse", joint)
     return figure
