@@ -31,7 +31,7 @@ MAX_STRIDE = 0.1
 # m. Shorter substeps take days for a march.
 _MIN_STRIDE = 1e-5
 # Ground drag, per metre marched (per second at 1 m/s): faster than Pymunk's correction of joint
-# errors, 6.3 per second (its error_bias, 0.9 ** 60). The docstring of `physics` says what that does.
+# errors, 6.3 per second (its error_bias, 0.9 ** 60). The docstring of `physics` says why.
 _DRAG = 11.5
 # Largest force of the head's motor, in units of the ground drag on what the head has to pull.
 _HEAD_FORCE = 2.0

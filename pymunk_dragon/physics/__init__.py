@@ -98,7 +98,8 @@ In the order of their effect:
   unless ground drag is about as fast. With dancers who make up for it, any drag from 5 to 20 a
   second gives a drift of 24 to 34 µm from 400 s on, a drag of 2 a second 9 mm. A faster correction
   (`error_bias` 1e-6) halves the drift of the whole march, 19.2 to 9.3 µm. But in the turn of
-  question 4 the drift grows from 133 to 191 µm, and with a drag of 5 a second the chain flies apart.
+  question 4 the drift grows from 133 to 191 µm, and with a drag of 5 a second the chain flies
+  apart.
 - **Warm start.** The solver starts each step with the impulses of the step before. Before the first
   step they are those in balance, which elimination finds in a time that grows with the number of
   benches (0.07 s for 1,000).

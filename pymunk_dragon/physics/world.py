@@ -169,17 +169,7 @@ class World:
             self.masses,
             self.top_speed,
         )
-        self.velocities = np.zeros((dragon.benches, 3))
-        # Half a step times the change of velocity in the last step.
-        self._shift = np.zeros((dragon.benches, 3))
-        # Length of the next step over that of the last one, and the shift of its poses.
-        self._ratio = 1.0
-        self._predicted = self._shift
-        # First of the benches that moved by the rules of second order in the last step.
-        self._pulled: int | None = None
-        # The guide's forces in the last step, N, N, N m.
-        self._pushes = np.zeros((dragon.benches, 3))
-        self._mid_torque = MidTorque(dragon, self.masses)
+        self._rest()
 
         # In this order: a guide reads the settings when it is attached, and its anchors and joints
         # exist from then on. The warm start needs all joints, and makes steps in which benches must
@@ -196,6 +186,21 @@ class World:
         self._buffers = Buffers(self.space, self.bodies, self._control, self.guide.anchors)
         self._warm_start(state)
         self._add_shapes(sizes)
+
+    def _rest(self) -> None:
+        """Set what a step leaves for the next one to that of benches at rest."""
+        benches = len(self.masses)
+        self.velocities = np.zeros((benches, 3))
+        # Half a step times the change of velocity in the last step.
+        self._shift = np.zeros((benches, 3))
+        # Length of the next step over that of the last one, and the shift of its poses.
+        self._ratio = 1.0
+        self._predicted = self._shift
+        # First of the benches that moved by the rules of second order in the last step.
+        self._pulled: int | None = None
+        # The guide's forces in the last step, N, N, N m.
+        self._pushes = np.zeros((benches, 3))
+        self._mid_torque = MidTorque(self.march.dragon, self.masses)
 
     @property
     def joint_forces(self) -> Array:
