@@ -88,8 +88,8 @@ class Run(ArrayRecord):
         Rates of change of `poses`: m/s, m/s, rad/s. By default differences of the poses; frames
         that are less than 1e-7 s apart have the same.
     joint_forces : ndarray, shape (F, N - 1), optional
-        Force in pivot i, of benches i and i + 1, at the frame, N; in a run of the engine that of the
-        substep that ended there, see `World.joint_forces`.
+        Force in pivot i, of benches i and i + 1, at the frame, N; in a run of the engine that of
+        the substep that ended there, see `World.joint_forces`.
     events : ContactLog, optional
         Every collision callback.
     first_contact : Contact, optional
