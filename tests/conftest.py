@@ -28,10 +28,9 @@ from pymunk_dragon.cli import status
 # A worker on Python 3.11 once stood still, probably in it.
 PHASES = set(hypothesis.Phase) - {hypothesis.Phase.explain}
 hypothesis.settings.register_profile("explore", deadline=None, print_blob=True)
-hypothesis.settings.register_profile("house", deadline=None, derandomize=True, phases=PHASES)
-hypothesis.settings.register_profile(
-    "quick", deadline=None, derandomize=True, phases=PHASES, max_examples=15
-)
+SAME = {"deadline": None, "derandomize": True, "phases": PHASES}
+hypothesis.settings.register_profile("house", **SAME, max_examples=50)
+hypothesis.settings.register_profile("quick", **SAME, max_examples=15)
 hypothesis.settings.load_profile("house")
 
 # A shell that starts the tests in the background has them ignore Ctrl-C, and with them every
@@ -58,7 +57,7 @@ SHARE = 0.002
 
 
 def pytest_configure(config):
-    """Let all test processes share files, and take a seventh of the examples for `make test`."""
+    """Let all test processes share files, and take fewer examples for `make test`."""
     if sharing.FOLDER not in os.environ:
         folder = tempfile.TemporaryDirectory(prefix="pymunk-dragon-tests-")
         config.add_cleanup(folder.cleanup)

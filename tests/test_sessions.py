@@ -715,6 +715,7 @@ def connected(address):
     return found
 
 
+@pytest.mark.thorough
 def test_clients_that_never_read_or_that_flood_do_not_stop_others():
     async def flood(address):
         # Reading from it stops, and in the end it is disconnected.

@@ -130,14 +130,12 @@ def test_impossible_sizes_are_refused_by_name():
 SHORT = 20
 
 
-@pytest.fixture(
-    scope="module", params=[SHORT, pytest.param(Dragon().benches, marks=pytest.mark.thorough)]
-)
-def sensed(request):
-    dragon = Dragon(benches=request.param)
-    return shared_answer(f"sensitivity of {request.param} benches", lambda: sensitivity(dragon))
+@pytest.fixture(scope="module")
+def sensed():
+    return shared_answer("sensitivity", lambda: sensitivity(Dragon(benches=SHORT)))
 
 
+@pytest.mark.thorough
 def test_slopes_are_those_of_fifty_digits(sensed):
     assert sensed.contact.benches == (0, 8)
     with mp.workdps(oracle.DIGITS):

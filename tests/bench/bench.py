@@ -435,7 +435,7 @@ def sweep_overhead() -> None:
         for name, where in (("processes", None), ("Dask", cluster.scheduler_address)):
             found = [
                 1e3 * (sweep_seconds(2 * count, where) - sweep_seconds(count, where)) / count
-                for _ in range(3)
+                for _ in range(sized(3, 1))
             ]
             print(f"{name}: {spread(found, 2)}", flush=True)
 
