@@ -170,12 +170,12 @@ def test_course_with_the_keyboard_guess_experiment_answer_and_again(seen):
 
 @pytest.mark.parametrize("how", ["src", "srcdoc"])
 def test_course_language_and_links_work_in_a_frame_that_allows_scripts_only(browser, how):
-    page = make_page([played("spiral"), played("unguided")])
+    page = make_page([played("spiral"), played("tension")])
     with framed(browser, page, how) as (_, frame):
         frame.click(".languages button[value=zh]")
         assert frame.evaluate("document.documentElement.lang") == "zh"
         frame.click(".languages button[value=en]")
-        for name, opens in (("spiral", ".open"), ("unguided", ".open-unguessed")):
+        for name, opens in (("spiral", ".open"), ("tension", ".open-unguessed")):
             lesson = frame.locator(f"#{name}")
             frame.click(f".contents a[href='#{name}']")
             assert (
@@ -202,9 +202,9 @@ def test_course_language_and_links_work_in_a_frame_that_allows_scripts_only(brow
 
 
 def test_lesson_of_the_engine_shows_its_recorded_run_and_how_to_play_it_live(seen):
-    lesson = seen.page.locator("#unguided")
+    lesson = seen.page.locator("#tension")
     lesson.locator(".cover .open-unguessed").click()
-    assert lesson.locator(".stage[data-live=unguided] img").is_visible()
+    assert lesson.locator(".stage[data-live] img").is_visible()
     assert "pymunk-dragon demo --live" in lesson.locator(".stage").inner_text()
 
 

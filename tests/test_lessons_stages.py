@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 
@@ -10,7 +11,18 @@ import pytest
 from browser import english_words, needs_browser, opened
 
 import pymunk_dragon.lessons
-from pymunk_dragon import Dragon, Grid, March, Spiral, UTurn, first_contact, scan, separation
+from pymunk_dragon import (
+    Dragon,
+    Grid,
+    March,
+    Spiral,
+    UTurn,
+    first_contact,
+    pull,
+    scan,
+    separation,
+)
+from pymunk_dragon.lessons._framework.page import packed_runs
 from pymunk_dragon.model.curves import Sampled
 from pymunk_dragon.model.dragon import bench_poses
 from pymunk_dragon.studies import max_speed
@@ -26,6 +38,8 @@ body { margin: 1rem; background: #fdfbf6; color: var(--ink); font: 1.05rem/1.6 s
 main { max-width: 46rem; }
 """
 CLOSE = 1e-9  # m
+PULLED = [pull(March(), until=12, drag=drag, tolerance=1e-6) for drag in (0, 11.5)]
+RUNS = json.dumps(packed_runs(PULLED))
 SUPERSCRIPTS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
 
 
@@ -43,6 +57,7 @@ def stage_page(stage: str = "", language: str = "en") -> str:
         '<meta name="viewport" content="width=device-width">'
         f"<style>{colour_variables()}{FRAME}{(ASSETS / 'lab.css').read_text('utf-8')}</style>"
         f'<main><h1>Stage</h1><div class="stage" data-stage="{stage}"></div></main>'
+        f'<script type="application/json" id="unguided-runs">{RUNS}</script>'
         f'<script>"use strict";{script}</script>{opening}'
     )
 
@@ -525,6 +540,30 @@ def test_a_point_that_is_dropped_outside_the_stage_stays_in_sight(visit):
         page.mouse.up()
         readout(page)
         assert knob.is_visible()
+
+
+def test_dragon_that_is_pulled_is_where_the_exact_run_has_it(visit):
+    with visit("unguided") as found:
+        for number, run in enumerate(PULLED):
+            set_slider(found.page, "drag of the ground", number)
+            for time in (5.0, 11.9):
+                set_slider(found.page, "time", time)
+                said = readout(found.page)
+                hit = run.first_contact
+                end = min(time, hit.time)
+                (front, rear), exact = march_handles(run, end)
+                off = np.hypot(*(np.vstack([front, rear[-1:]]) - exact).T)
+                # Positions between two frames are right to centimetres.
+                low, high = (np.sum(off > near) for near in (0.14, 0.06))
+                assert low <= int(said.split("s: ")[1].split()[0]) <= high
+                touching = f"Benches {hit.benches[0]} and {hit.benches[1]} touch"
+                assert (touching in said) == (time > hit.time)
+
+
+def march_handles(run, time):
+    """Front and rear holes of a run, and the exact handles."""
+    front, rear = run.march.dragon.holes(run.poses_at([time])[0])
+    return (front, rear), run.march.at([time]).positions[0]
 
 
 STAGES = sorted(path.stem.replace("_", "-") for path in LESSONS.glob("*.js"))

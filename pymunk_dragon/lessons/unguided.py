@@ -1,74 +1,86 @@
 # %% [markdown] order=80 scene="unguided"
-# # What do the dancers do?
-# Every bench hangs on the one before it, and the ground drags at all of them. The head walks its
-# spiral without a fault. Does it take dancers to bring the other 222 benches along, or do they
-# follow by themselves?
+# # Who keeps the dragon on its path?
+# The dancers let go, and only the head goes on along its spiral and pulls the other 222 benches.
+# The ground drags at every bench, as much as you like: not at all on ice, very much in mud. Where
+# do the benches go?
 # ## Guess
-# The dancers let go, and only the head pulls.
+# Only the head pulls.
 
 # %%
 import numpy as np
 
-from pymunk_dragon import Dragon, March, render, simulate
+from pymunk_dragon import March, pull, render
 
-# The same march twice: no dancers guide the benches, or dancers keep every hole on the path.
-march = March(Dragon(benches=223))
-alone = simulate(march, guide="none")
-hit = alone.first_contact
-guided = simulate(march, until=hit.time)
-print(f"without dancers: t = {hit.time:.1f} s  benches {hit.benches} touch")
+# The exact motion of a dragon that only its head pulls, on nine grounds. With the drag `d` of the
+# ground a bench that is let go slides for 1 / d metres.
+march = March()
+mass = march.dragon.masses[1]
+spacing = march.dragon.spacings[1]
+print(f"a bench: {mass:.1f} kg, {spacing:.2f} m between its holes")
+runs = {}
+for drag in [0, 0.1, 0.25, 0.5, 1, 2, 5, 11.5, 50]:  # per metre
+    run = pull(march, until=13, drag=drag, tolerance=1e-6)
+    run.save(f"{drag:g}.npz")
+    runs[drag] = run
+    hit = run.first_contact
+    found = f"benches {hit.benches} touch at {hit.time:.2f} s" if hit else "no contact until 13 s"
+    print(f"drag {drag:4g} /m  {found}")
 
 # %%
-# Where the front holes of some benches are then: their distance from the middle, and from where
-# they began.
-some = [0, 4, 8, 16, 28, 60]
-print("bench               " + "".join(f"{bench:7d}" for bench in some))
-for name, run in [("with   ", guided), ("without", alone)]:
-    poses = run.poses_at([0, hit.time])
-    (begin, end), _ = march.dragon.holes(poses)
-    for what, far in [("from middle", end), ("from start ", end - begin)]:
-        print(f"{name} {what}" + "".join(f"{np.hypot(*far[bench]):7.2f}" for bench in some) + " m")
+# How far some benches are off their path when two of them touch, and what the joints carry.
+some = [4, 50, 100, 150, 200]
+for ground, drag in [("on ice   ", 0), ("on ground", 11.5)]:
+    run = runs[drag]
+    frame = np.searchsorted(run.times, run.first_contact.time)
+    print(f"{ground} at {run.times[frame]:.2f} s, bench" + "".join(f"{n:9d}" for n in some))
+    off = run.drift[frame, some]
+    print(f"{ground} off the path     " + "".join(f"{n:9.4f}" for n in off) + " m")
+    forces = np.array(run.joint_forces)[frame, some]
+    print(f"{ground} force behind it  " + "".join(f"{n:9.2f}" for n in forces) + " N")
+    x, y = march.dragon.holes(run.poses[frame])[0][4]
+    print(f"{ground} bench 4 is {np.hypot(x, y):.2f} m from the middle")
 
-# A with dancers, B without.
-render(
-    [guided, alone], "unguided.gif", headings=("A", "B"), legend=False, speedup=3, size=(300, 336)
-)
-alone
+# A on ice, B on the ground.
+two = [runs[0], runs[11.5]]
+render(two, "unguided.gif", headings=("A", "B"), legend=False, speedup=3, size=(300, 336))
+runs[0]
 
 # %% [markdown]
 # ## Answer
-# They do not follow: a chain that is pulled at one end straightens, so the benches behind the head
-# cut across, and after 10.9 s bench 1 runs into bench 28, while bench 60 has coasted for 9 cm and
-# stands, as the ground has stopped it. A chain can only pull along itself, and in a bend that is
-# always a little inwards, so somebody has to walk beside each bench and hold it on the path.
+# On ice it takes no dancers: all joints pull with the same force, 8 N, and wherever the chain
+# bends, the two pulls on a bench add up to just the force inwards that its turn needs. It does not
+# depend on the bend, so a chain that moves along any curve goes on along it. The pull can only fail
+# at the free end: the last twenty benches swing out like the end of a whip, and at 11.7 s benches
+# 162 and 206 touch. It is the drag that takes the dragon off its path: it stops the benches, so
+# that the head has to haul them, with a thousand newton, and a chain that is hauled straightens.
 #
-# Which path does the dragon take?
-# - It keeps to the spiral: so a train does, but it has rails.
-# - It swings outwards: a stone that is let go flies straight on; here the ground stops a bench
-#   within 10 cm.
-# - **It cuts across**: bench 4 is 5.73 m from the middle, not 8.77 m.
+# Where do the benches go on ice?
+# - They cut across: so they do on the ground, where the head has to haul them along.
+# - They swing outwards: a single bench would fly straight on, but here the benches before and
+#   behind pull it inwards.
+# - **They keep to the spiral**: bench 100 is 0.3 mm off at 11.7 s. Only the last twenty swing out.
 #
-# How long does that go well?
-# - **For seconds**: after 10.9 s two benches touch.
-# - For minutes: the head needs nearly one for a turn of the spiral, but the benches behind it leave
-#   the path at once.
-# - Until the end: if one sees the chain as a rope that is drawn through a groove.
+# And on the ground, where a bench that is let go stops within 10 cm?
+# - They keep to the spiral: so a train does, but it has rails.
+# - They swing outwards: their speed is gone before that.
+# - **They cut across**: bench 4 is 5.74 m from the middle, not 8.77 m, and at 10.9 s benches 1 and
+#   28 touch.
 # ## Check
-# The head is 8.69 m from the middle both times, so it is not to blame. It has gone 10.9 m in a lane
-# 0.55 m wide, which is the ring from 8.8 m in to its own distance $r$:
-# $\pi (8.8^2 - r^2) = 0.55 \cdot 10.9$.
+# The 8 N: a bench of $m = 13.2$ kg and $l = 1.65$ m between its holes moves at $v = 1$ m/s. On a
+# circle of the radius $r$ the pulls $F$ at its two ends differ in direction by $l / r$, so together
+# they are $F l / r$. That is to be $m v^2 / r$, so $F = m v^2 / l$, whatever $r$ is.
 # ## Try
-# Recorded: the dancers of A hold on, those of B let go. Live: press "Let all go": which benches
-# meet, and when? Start again, choose the tool "Let go" and tap a bench: its dancers and those
-# behind it let go. Is that better?
+# Play it on ice first, and then on grounds that drag more and more. Which one lets the dragon go on
+# longest before two benches touch? Look at the tail too: what does it do on ice, and what in mud?
 # ## Change
-# Make it a short dragon: `Dragon(benches=20)`, and `some = [0, 4, 8, 16]`. Whom does the head meet
-# now?
+# Make it a short dragon: `March(Dragon(benches=20))` with `Dragon` from `pymunk_dragon`, and
+# `some = [4, 8, 16]`. What does its tail do on ice?
 # ## Teacher
-# - From grade 8; forces along a rope. 25 minutes: 5 to guess, 10 on the stage, 10 to compare.
-# - Goal: a chain transmits only tension, along itself. To follow a bend it needs forces across it,
-#   from the dancers.
-# - Try: no. From bench 60 on benches touch within half a second, as the next turn of the dragon is
-#   in their way.
-# - Mistakes: a centrifugal force is expected to drive it outwards; a link is taken to copy the path
-#   of the one before.
+# - From grade 10; centripetal force, tension. 25 minutes: 5 to guess, 10 on the stage, 10 to
+#   compare.
+# - Goal: a tension of $m v^2 / l$ bends the path of a moving chain by just as much as the path
+#   turns. Drag, not inertia, pulls a chain off a curve.
+# - Try: with a drag of 0.1 per metre nothing touches until 13 s. On ice the tail swings out like
+#   the end of a whip; in mud it does not move at all.
+# - Mistakes: a centrifugal force is expected to drive the chain outwards; a chain is taken to cut
+#   across always.

@@ -45,6 +45,15 @@ interface Filed {
   pairs: number[][];
 }
 
+/** A run of a dragon that only its head pulls, as a page has it. */
+interface PulledRun {
+  drag: number;
+  until: number;
+  contact: { time: number; benches: Pair } | null;
+  shape: Packing;
+  text: string;
+}
+
 interface SliderOptions {
   min: number;
   max: number;

@@ -7,6 +7,8 @@ from io import BytesIO
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from pymunk_dragon._checks import function, instances, word
 from pymunk_dragon._extras import library
 from pymunk_dragon._files import check_destination, written_in_place
@@ -15,6 +17,8 @@ from pymunk_dragon.lessons._framework.lesson import Lesson, blocks
 from pymunk_dragon.lessons._framework.markup import html
 from pymunk_dragon.lessons._framework.notebook import make_notebook
 from pymunk_dragon.lessons._framework.recording import Recording, record
+from pymunk_dragon.model.run import Run
+from pymunk_dragon.player.data import pack
 from pymunk_dragon.web.html import asset, data_address, filled, policy
 from pymunk_dragon.web.page import colour_variables, scripts
 
@@ -27,6 +31,10 @@ MEDIA_TYPES = {
     ".py": "text/x-python",
     ".ipynb": "application/x-ipynb+json",
 }
+# Frames of a run on a stage: a fifth of a second apart in 13 s.
+_STAGE_FRAMES = 66
+# m: step of positions there.
+_STAGE_STEP = 1e-3
 # Styles of the page.
 STYLES = ("assets/lessons.css", "assets/lab.css")
 
@@ -148,6 +156,7 @@ def _values(recording: Recording, live: bool) -> dict[str, Any]:
     return {
         "file": lesson,
         "stage": _stage(lesson, live),
+        "runs": packed_runs(recording.runs),
         "printed": recording.printed.rstrip(),
         "picture": _picture(recording),
         "code": _highlighted("\n\n".join(lesson.cells)),
@@ -163,6 +172,27 @@ def _stage(lesson: Lesson, live: bool) -> dict[str, Any]:
     return {"own": False, "scene": lesson.options.get("scene", ""), "recorded": not live}
 
 
+def packed_runs(runs: Sequence[Run]) -> list[dict[str, Any]]:
+    """Runs of a pulled dragon by the drag: handles at even times, and the first contact."""
+    found = []
+    for run in sorted(runs, key=lambda run: run.provenance["ground_drag"]):
+        begin, end = run.times[[0, -1]].tolist()
+        times = np.linspace(begin, end, _STAGE_FRAMES)
+        front, rear = run.march.dragon.holes(run.poses_at(times))
+        shape, packed = pack(np.hstack([front, rear[:, -1:]]), _STAGE_STEP)
+        hit = run.first_contact
+        found.append(
+            {
+                "drag": run.provenance["ground_drag"],
+                "until": end,
+                "contact": hit and {"time": hit.time, "benches": hit.benches},
+                "shape": shape,
+                "text": packed,
+            }
+        )
+    return found
+
+
 def _picture(recording: Recording) -> dict[str, Any]:
     """Address and size of a picture, so that the page does not move when it is unfolded."""
     with library("PIL.Image").open(BytesIO(recording.picture)) as opened:
@@ -171,8 +201,6 @@ def _picture(recording: Recording) -> dict[str, Any]:
 
 def _spiral() -> str:
     """Points of a spiral of 16 turns to draw on, in the coordinates of an SVG of 100 x 100."""
-    import numpy as np
-
     angle = np.linspace(0, 32 * np.pi, 961)
     radius = 48 * angle / angle[-1]
     points = 50 + radius * [np.cos(angle), -np.sin(angle)]

@@ -15,18 +15,23 @@ from pymunk_dragon._checks import instance
 from pymunk_dragon._extras import FEATURES, is_installed
 from pymunk_dragon.errors import DragonError, MissingExtraError, OutputError, ParameterError
 from pymunk_dragon.lessons._framework.lesson import Lesson
+from pymunk_dragon.model.run import Run
 
 MISSING = re.compile(r"ModuleNotFoundError: No module named '(\w+)")
 
 
 @dataclass(frozen=True)
 class Recording:
-    """A lesson that was run, its output, and its picture with the ending, ".png" or ".gif"."""
+    """A lesson that was run, its output, and its picture with the ending, ".png" or ".gif".
+
+    `runs` are those that it has saved.
+    """
 
     lesson: Lesson
     printed: str
     picture: bytes
     ending: str
+    runs: tuple[Run, ...] = ()
 
 
 def run(lesson: Lesson, folder: Path) -> Iterator[str]:
@@ -89,7 +94,8 @@ def record(lesson: Lesson) -> Recording:
         folder = Path(name)
         printed = "".join(run(lesson, folder))
         file = picture(lesson, folder)
-        return Recording(lesson, printed, file.read_bytes(), file.suffix)
+        runs = tuple(map(Run.load, folder.glob("*.npz")))
+        return Recording(lesson, printed, file.read_bytes(), file.suffix, runs)
 
 
 def make_folder(path: str | Path) -> Path:
