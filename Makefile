@@ -74,8 +74,8 @@ guides.gif := render renders/march.npz renders/unguided.npz --until 12.5 --size 
 exact.gif := render renders/first_contact.npz --exact --from 409 --camera head --span 5 \
 	--size 330 --title "The engine and the exact model"
 marks.png := render renders/first_contact.npz --camera head --size 660 \
-	--velocities --grid --impulses --contacts --title "First contact: benches 0 and 8" \
-	--caption "Arrows end where the handles would be in half a second; discs are impulses in \
+	--velocities --grid --forces --contacts --title "First contact: benches 0 and 8" \
+	--caption "Arrows end where the handles would be in half a second; discs are forces in \
 	the joints; cells are darker where a bench is filed."
 u-turn.gif := render renders/u-turn.npz --from -6 --until 36 --span 15
 march.html := render renders/march.npz
@@ -85,8 +85,8 @@ lessons.html := demo
 # Figures of a march, of a run, and of the answers of studies; those with axes are also written as
 # SVG.
 STILLS := outer-loop inward collision
-CHARTS := spiral grid trajectories velocities gap speeds
-CHARTS_OF_RUN := drift impulses
+CHARTS := spiral grid trajectories velocities gap speeds order
+CHARTS_OF_RUN := drift forces
 STUDIES := min-pitch u-turn max-speed
 $(foreach name,$(STILLS) $(CHARTS),$(eval figures/$(name).png := figure $(name)))
 $(foreach name,$(CHARTS_OF_RUN),$(eval figures/$(name).png := figure $(name) renders/march.npz))

@@ -325,7 +325,7 @@ def test_render_sets_runs_side_by_side_with_their_marks_and_words(answer, small_
     assert width == 2 * 120 + 2
     assert height > 120 + 60
     pictures = {plain}
-    for flags in (["--velocities"], ["--impulses"], ["--grid"], ["--velocities", "--grid"]):
+    for flags in (["--velocities"], ["--forces"], ["--grid"], ["--velocities", "--grid"]):
         pictures.add(drawn(run, *flags, "--camera", "head")[1])
     assert len(pictures) == 5
     assert (

@@ -536,7 +536,7 @@ def test_pictures_do_not_take_a_pulled_run_for_the_march(pulled):
     assert payload["windows"][0]["begin"] == pulled.first_contact.time
 
     assert refusal(figure, "drift", pulled).name == "run"
-    [axes] = figure("impulses", pulled).axes
+    [axes] = figure("forces", pulled).axes
     drawn = max(line.get_ydata().max() for line in axes.lines)
     before = pulled.times < pulled.first_contact.time
     assert 900 < drawn <= pulled.joint_forces[before].max()

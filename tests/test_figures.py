@@ -50,7 +50,7 @@ def run():
 
 
 def source_of(name):
-    return run() if name in ("drift", "impulses") else None
+    return run() if name in ("drift", "forces") else None
 
 
 @cache
@@ -188,7 +188,7 @@ def test_speeds_are_those_of_the_exact_model_at_the_times_beside_their_lines():
     np.testing.assert_allclose([each.get_ydata() for each in axes.get_lines()], expected, atol=1e-9)
 
 
-def test_drift_and_impulses_are_those_of_the_run():
+def test_drift_and_forces_are_those_of_the_run():
     played, drawing = run(), drawn("drift")
     for name, count in (("any-bench", 40), ("first-benches", 12)):
         times, worst = line(drawing, name)
@@ -197,12 +197,33 @@ def test_drift_and_impulses_are_those_of_the_run():
         assert times[-1] == played.times[-1]
     assert round(1e6 * line(drawing, "smallest-gap")[1][0]) == 865
     assert played.joint_forces is not None
-    for rank, each in enumerate(drawn("impulses").axes[0].get_lines()):
+    drawing = drawn("forces")
+    lines = [each for each in drawing.axes[0].get_lines() if each.get_gid().startswith("force")]
+    for rank, each in enumerate(lines):
         frame = int(np.abs(played.times - float(each.get_label().removesuffix(" s"))).argmin())
         assert played.times[frame] < played.times[-1]
-        np.testing.assert_allclose(
-            line(drawn("impulses"), f"impulse-{rank}")[1], played.joint_forces[frame]
-        )
+        forces = line(drawing, f"force-{rank}")[1]
+        np.testing.assert_allclose(forces, played.joint_forces[frame])
+        # The run is rough.
+        exact = line(drawing, f"exact-{rank}")[1]
+        np.testing.assert_allclose(exact, forces, atol=0.01 * forces.max())
+
+
+def test_forces_of_a_pulled_dragon_are_drawn_beside_the_exact_ones():
+    pulled = simulate(March(Dragon(benches=40)), guide="none", until=3.0)
+    drawing = figure("forces", pulled)
+    for rank in range(2):
+        forces = line(drawing, f"force-{rank + 1}")[1]
+        exact = line(drawing, f"exact-{rank + 1}")[1]
+        np.testing.assert_allclose(exact, forces, atol=0.01 * forces.max())
+
+
+def test_error_of_the_engine_falls_as_the_order_of_its_method():
+    for order in (1, 2):
+        substeps, errors = line(drawn("order"), f"order-{order}")
+        slopes = np.diff(np.log(errors)) / np.diff(np.log(substeps))
+        assert order - 0.1 < slopes.min()
+        assert slopes.max() < order + 0.5
 
 
 def test_drift_shows_a_smallest_gap_of_0(monkeypatch):
@@ -257,7 +278,7 @@ UNITS = {
     "trajectories": "412.47 s",
     "velocities": "m/s",
 }
-UNITS |= {"gap": "mm", "speeds": "m/s", "drift": "\N{MICRO SIGN}m", "impulses": "N"}
+UNITS |= {"gap": "mm", "speeds": "m/s", "drift": "\N{MICRO SIGN}m", "forces": "N", "order": "ms"}
 
 
 @pytest.mark.parametrize("lang", ["en", pytest.param("zh", marks=pytest.mark.thorough)])

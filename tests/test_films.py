@@ -242,7 +242,7 @@ def test_bad_parameters_are_refused(run, tmp_path):
     ]
     cases += [("title", 3), ("title", UNKNOWN), ("caption", "w" * 10_001), ("camera", "head")]
     cases += [("headings", value) for value in (("a", None), ("one", "too many"), (UNKNOWN,))]
-    cases += [("show", value) for value in (("shadows",), "grid", ("impulses",))]
+    cases += [("show", value) for value in (("shadows",), "grid", ("forces",))]
     calls = [(name, run, "film.gif", {name: value}) for name, value in cases]
     # Too many frames for the memory of a WebP, and too wide for one.
     calls += [
@@ -550,7 +550,7 @@ def test_bad_cameras_marks_and_times_are_refused(run, tmp_path):
     ]
     cases += [("time", still, {"source": run, "time": 11.0})]
     cases += [("until", render, {"source": run, "until": 11.0, "path": tmp_path / "still.png"})]
-    for mark in ("contacts", "impulses"):
+    for mark in ("contacts", "forces"):
         cases += [("show", still, {"source": MARCH, "time": 1.0, "film": Film(show=(mark,))})]
     for name, call, arguments in cases:
         assert refusal(call, **arguments).name == name
@@ -646,10 +646,10 @@ def test_contacts_are_shown_while_benches_touch(seed, small_run):
     assert count(near(picture, place([seed.first_contact.point])[0]), "force") == 9
 
 
-def test_area_of_a_disc_is_in_proportion_to_the_impulse_of_the_frame_before(run):
+def test_area_of_a_disc_is_in_proportion_to_the_force_of_the_frame_before(run):
     sizes = np.full((len(run.times), 15), 1.0)
     sizes[:, 0] = 4.0
-    film = Film(size=1200, camera=Camera(follow="head", span=8.0), show=("impulses",))
+    film = Film(size=1200, camera=Camera(follow="head", span=8.0), show=("forces",))
     picture, place = shown(replace(run, joint_forces=sizes), 5.0, film)
     _, rear = MARCH.dragon.holes(run.poses_at([5.0])[0])
     areas = [count(near(picture, xy, 40), "force") for xy in place(rear[:2])]

@@ -28,7 +28,7 @@ from pymunk_dragon.drawing.figures import FIGURES, write_figure
 def figure(name: str | None, run_file: str | None, output: str | None) -> None:
     """Draw one of the paper's figures, or one beyond it.
 
-    Without a name, list them. Drift and impulses are drawn from a run of the engine, the others
+    Without a name, list them. Drift and forces are drawn from a run, the others
     from a run's march or from the options.
     """
     if name is None:

@@ -9,7 +9,7 @@ exact model beside a run.
 $ pymunk-dragon simulate --from 405 -o run.npz
 $ pymunk-dragon render run.npz -o head.gif --camera head --speedup 2 --from 409
 $ pymunk-dragon render run.npz --exact -o both.gif --camera head --from 411 --speedup 1
-$ pymunk-dragon render run.npz -o marks.png --camera head --velocities --grid --impulses --contacts
+$ pymunk-dragon render run.npz -o marks.png --camera head --velocities --grid --forces --contacts
 ```
 
 ![The head passes benches 9 and 11; its first contact is with bench 8](renders/first_contact.gif)
@@ -22,7 +22,7 @@ its last frame for 2.5 s. The reference march is shown from t = 338 s in 11 s; `
 of it in 37 s. `--speedup`, `--fps`, `--from`, `--until` and `--hold` override this. `--lang zh`
 writes in Chinese (`pip install 'pymunk-dragon[chinese]'`).
 
-Flags lay marks over the benches: velocities, the grid, impulses of the joints, contacts and their
+Flags lay marks over the benches: velocities, the grid, forces in the joints, contacts and their
 normals. `--title` and `--caption` stand above and below:
 
 ![Arrows, discs and cells laid over the benches at the first contact](renders/marks.png)

@@ -138,7 +138,7 @@ def check_overlays(names: Collection[str], source: Snapshots) -> None:
     for name in names:
         needs = OVERLAYS[name].needs
         if needs and getattr(source.run, needs, None) is None:
-            bound = "left out: a march has no contacts, and only the engine has impulses"
+            bound = "left out: a march has no contacts, and the exact model has no forces"
             raise ParameterError("show", name, bound)
 
 
@@ -176,7 +176,7 @@ def _draw_velocities(layer: Layer) -> None:
     layer.arrows(np.concatenate([front, rear[-1:]]), motion)
 
 
-def _draw_impulses(layer: Layer) -> None:
+def _draw_forces(layer: Layer) -> None:
     run = layer.source.run
     assert run is not None  # Marches are refused.
     assert run.joint_forces is not None
@@ -184,7 +184,7 @@ def _draw_impulses(layer: Layer) -> None:
 
     # Forces are not interpolated: they are those of the frame before.
     frame = np.searchsorted(run.times, layer.time, side="right") - 1
-    # The disc's area is proportional to the force, and so to the impulse in a substep.
+    # The disc's area is proportional to the force.
     shares = np.sqrt(run.joint_forces[frame] / largest)
     radii = _DISC_RADIUS * float(layer.dragon.widths.min()) * layer.scale * shares
     _, rear = layer.dragon.holes(layer.poses)
@@ -239,5 +239,5 @@ OVERLAYS: Mapping[str, _Overlay] = {
         "The cells of the broad phase, darker where a bench is filed.", _draw_grid, below=True
     ),
     "contacts": _Overlay("Contact points and normals.", _draw_contacts, "events"),
-    "impulses": _Overlay("Impulses in the joints, as discs.", _draw_impulses, "joint_forces"),
+    "forces": _Overlay("Forces in the joints, as discs.", _draw_forces, "joint_forces"),
 }

@@ -25,7 +25,7 @@ class Palette:
 
     `background` and `curve` are the ground and the path; `head`, `body` and `tail` the benches,
     `contact` those in contact; `ink` outlines, holes and text; `motion` velocities and position
-    errors; `force` impulses, contact points and normals; `grid` the cells of the broad phase.
+    errors; `force` forces, contact points and normals; `grid` the cells of the broad phase.
     """
 
     background: str = "#fbf8f1"

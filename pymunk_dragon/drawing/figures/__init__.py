@@ -6,8 +6,8 @@
 Sixteen benches at the start, as they close a loop, and at their first contact (figures 3 to 5 of
 the paper); the spiral (figure 2), and the trajectories and velocities of seven handles (figures 7
 and 8); speeds along the dragon; and forces in the joints of a run. The grid (figure
-6) and the gap before the head are in `pymunk_dragon.collision`, the drift of a run is in
-`pymunk_dragon.physics`.
+6) and the gap before the head are in `pymunk_dragon.collision`; the drift of a run and the order of
+the engine are in `pymunk_dragon.physics`.
 
 ![Sixteen benches at their start](renders/figures/outer-loop.png)
 ![Sixteen benches that close a loop](renders/figures/inward.png)
@@ -16,7 +16,7 @@ and 8); speeds along the dragon; and forces in the joints of a run. The grid (fi
 ![The trajectories of seven handles](renders/figures/trajectories.png)
 ![The velocities of seven handles](renders/figures/velocities.png)
 ![Speeds along the dragon](renders/figures/speeds.png)
-![Forces in the joints of a run of the engine](renders/figures/impulses.png)
+![Forces in the joints of a run, and the exact ones](renders/figures/forces.png)
 """
 
 from __future__ import annotations
@@ -64,8 +64,8 @@ def figure(name: str, source: Run | March | None = None) -> Figure:
     name : str
         One of `FIGURES`. Pictures of the dragon are excluded; `write_figure` writes them.
     source : Run or March, optional
-        March to draw, or run whose march is drawn; by default the paper's march. The figures
-        "drift" and "impulses" require a run of the engine.
+        March to draw, or run whose march is drawn; by default the paper's march. "drift" and
+        "forces" require a run.
 
     Returns
     -------

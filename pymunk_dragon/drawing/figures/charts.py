@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +14,7 @@ from pymunk_dragon._arrays import Array
 from pymunk_dragon._language import text
 from pymunk_dragon.collision import Grid, separation
 from pymunk_dragon.drawing import Film
+from pymunk_dragon.drawing.figures.order import draw
 from pymunk_dragon.drawing.figures.style import (
     AMBER,
     BESIDE,
@@ -31,8 +33,10 @@ from pymunk_dragon.drawing.figures.style import (
     plan,
     slide,
 )
-from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.dynamics import joint_forces, pull
+from pymunk_dragon.errors import MissingExtraError, ParameterError
 from pymunk_dragon.model.run import HEAD_BENCHES, Run
+from pymunk_dragon.model.settings import EngineSettings
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -345,8 +349,8 @@ def _drift(source: FigureSource) -> Figure:
     return figure
 
 
-def _impulses(source: FigureSource) -> Figure:
-    """Draw the force in every joint at several times."""
+def _forces(source: FigureSource) -> Figure:
+    """Draw the force in every joint at several times, and the exact ones beside an engine's."""
     run = source.run
     if run is None or run.joint_forces is None:
         raise ParameterError("run", run and "one without forces in joints", "a run of `simulate`")
@@ -364,9 +368,38 @@ def _impulses(source: FigureSource) -> Figure:
     rows = np.unique(np.searchsorted(times, several))
     title = text("The joints carry up to {:.2f} N").format(forces[rows].max())
     figure, axes = slide(title, text("force in every joint, N"))
+    exact = _exact_forces(run, times[rows])
+    dashes: dict[str, Any] = {"color": COLOURS.ink, "lw": 0.8, "ls": "--", "zorder": 3}
+    for rank, line in enumerate(exact):
+        name = text("exact") if rank == 0 else None
+        axes.plot(line, gid=f"exact-{rank}", label=name, **dashes)
     joint = text("joint, from the head to the tail; joint i is between benches i and i + 1")
-    _bundle(axes, forces[rows], times[rows], "impulse", joint)
+    _bundle(axes, forces[rows], times[rows], "force", joint)
     return figure
+
+
+def _exact_forces(run: Run, times: Array) -> Array:
+    """Exact forces (T, N - 1) in the joints of a run of the engine; (0, N - 1) if unknown."""
+    march = run.march
+    origin = run.provenance
+    drag = origin.get("drag", EngineSettings.drag)
+    start = origin.get("start", times[0])
+    unknown = np.empty((0, march.dragon.benches - 1))
+    if run.player != "pymunk" or origin.get("contacts") == "resolve":
+        return unknown
+    match origin.get("guide"):
+        case "rails":
+            # Both have a drag in proportion to the highest speed, but in intervals of their own.
+            fastest = march.speed_profile.fastest
+            drag *= fastest(start, origin.get("until", times[-1])) / fastest(times[0], times[-1])
+            return joint_forces(march, times, drag=drag)
+        case "none":
+            with suppress(MissingExtraError):
+                pulled = pull(march, start=start, until=times[-1], drag=drag)
+                assert pulled.joint_forces is not None  # A pulled run has forces.
+                tracks = pulled.joint_forces.T
+                return np.transpose([np.interp(times, pulled.times, track) for track in tracks])
+    return unknown
 
 
 def _several_times(begin: float, end: float) -> Array:
@@ -414,5 +447,6 @@ FIGURES: Mapping[str, NamedFigure] = {
     "gap": NamedFigure("how near the head comes to the benches that it passes", _gap),
     "speeds": NamedFigure("speed along the dragon at several times", _speeds),
     "drift": NamedFigure("how far the engine is from the exact model", _drift),
-    "impulses": NamedFigure("forces in the joints of a run", _impulses),
+    "forces": NamedFigure("forces in the joints of a run, and the exact ones", _forces),
+    "order": NamedFigure("the engine's error over its step, where only the head pulls", draw, 40),
 }

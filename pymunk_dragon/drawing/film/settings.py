@@ -54,7 +54,7 @@ class Film:
         Whether to display a legend and a scale bar below the picture, if it is wide enough.
     show : tuple of str
         Overlays by their names in `OVERLAYS`: "velocities"; "grid"; "contacts", for runs only;
-        "impulses" in the joints, for runs of the engine only.
+        "forces" in the joints, for runs that have them.
     title : str
         Text above the picture; the height of the film increases accordingly.
     caption : str
