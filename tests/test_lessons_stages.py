@@ -40,6 +40,15 @@ main { max-width: 46rem; }
 CLOSE = 1e-9  # m
 PULLED = [pull(March(), until=12, drag=drag, tolerance=1e-6) for drag in (0, 11.5)]
 RUNS = json.dumps(packed_runs(PULLED))
+ERRORS = json.dumps(
+    {
+        "substeps": [0.04, 0.02, 0.01],
+        "passes": [3, 10, 20],
+        "errors": {
+            f"{order} {n}": [4.0, 4 / 2**order, 1.0] for order in (1, 2) for n in (3, 10, 20)
+        },
+    }
+)
 SUPERSCRIPTS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
 
 
@@ -57,7 +66,8 @@ def stage_page(stage: str = "", language: str = "en") -> str:
         '<meta name="viewport" content="width=device-width">'
         f"<style>{colour_variables()}{FRAME}{(ASSETS / 'lab.css').read_text('utf-8')}</style>"
         f'<main><h1>Stage</h1><div class="stage" data-stage="{stage}"></div></main>'
-        f'<script type="application/json" id="unguided-runs">{RUNS}</script>'
+        f'<script type="application/json" id="unguided-data">{RUNS}</script>'
+        f'<script type="application/json" id="engine-data">{ERRORS}</script>'
         f'<script>"use strict";{script}</script>{opening}'
     )
 
@@ -558,6 +568,18 @@ def test_dragon_that_is_pulled_is_where_the_exact_run_has_it(visit):
                 assert low <= int(said.split("s: ")[1].split()[0]) <= high
                 touching = f"Benches {hit.benches[0]} and {hit.benches[1]} touch"
                 assert (touching in said) == (time > hit.time)
+
+
+def test_halved_step_has_the_share_of_the_error_that_the_rule_leaves(visit):
+    with visit("engine") as found:
+        page = found.page
+        for order in (1, 2):
+            set_slider(page, "rule", order)
+            for step in (0, 1):
+                set_slider(page, "step", step)
+                said = readout(page)
+            assert f"{4 / 2**order:.2f} mm off" in said
+            assert f"{1 / 2**order:.2f} of the error" in said
 
 
 def march_handles(run, time):

@@ -1,7 +1,7 @@
 // From ice to mud: where do the benches go that only the head pulls, and which ones touch first?
 stages.unguided = (lab) => {
   /** @type {PulledRun[]} */
-  const recorded = JSON.parse(block("unguided-runs"));
+  const recorded = JSON.parse(block("unguided-data"));
   const last = recorded[0].until;
   /** @type {(i: number) => Words} */
   const ground = (i) => {

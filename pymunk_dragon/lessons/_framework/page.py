@@ -156,7 +156,7 @@ def _values(recording: Recording, live: bool) -> dict[str, Any]:
     return {
         "file": lesson,
         "stage": _stage(lesson, live),
-        "runs": packed_runs(recording.runs),
+        "data": recording.data or packed_runs(recording.runs),
         "printed": recording.printed.rstrip(),
         "picture": _picture(recording),
         "code": _highlighted("\n\n".join(lesson.cells)),

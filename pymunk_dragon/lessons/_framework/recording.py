@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import subprocess
@@ -10,6 +11,7 @@ import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from pymunk_dragon._checks import instance
 from pymunk_dragon._extras import FEATURES, is_installed
@@ -24,7 +26,7 @@ MISSING = re.compile(r"ModuleNotFoundError: No module named '(\w+)")
 class Recording:
     """A lesson that was run, its output, and its picture with the ending, ".png" or ".gif".
 
-    `runs` are those that it has saved.
+    `runs` are those that it has saved, and `data` is what it has written as JSON, by its name.
     """
 
     lesson: Lesson
@@ -32,6 +34,7 @@ class Recording:
     picture: bytes
     ending: str
     runs: tuple[Run, ...] = ()
+    data: Any = None
 
 
 def run(lesson: Lesson, folder: Path) -> Iterator[str]:
@@ -95,7 +98,9 @@ def record(lesson: Lesson) -> Recording:
         printed = "".join(run(lesson, folder))
         file = picture(lesson, folder)
         runs = tuple(map(Run.load, folder.glob("*.npz")))
-        return Recording(lesson, printed, file.read_bytes(), file.suffix, runs)
+        written = folder / f"{lesson.name}.json"
+        data = json.loads(written.read_bytes()) if written.exists() else None
+        return Recording(lesson, printed, file.read_bytes(), file.suffix, runs, data)
 
 
 def make_folder(path: str | Path) -> Path:
