@@ -564,7 +564,7 @@ def test_dragon_that_is_pulled_is_where_the_exact_run_has_it(visit):
                 (front, rear), exact = march_handles(run, end)
                 off = np.hypot(*(np.vstack([front, rear[-1:]]) - exact).T)
                 # Positions between two frames are right to centimetres.
-                low, high = (np.sum(off > near) for near in (0.14, 0.06))
+                low, high = (np.sum(off > near) for near in (0.34, 0.26))
                 assert low <= int(said.split("s: ")[1].split()[0]) <= high
                 touching = f"Benches {hit.benches[0]} and {hit.benches[1]} touch"
                 assert (touching in said) == (time > hit.time)

@@ -22,7 +22,7 @@ stages.unguided = (lab) => {
     max: recorded.length - 1,
     step: 1,
     value: 0,
-    show: (i) => `${recorded[i].drag} /m ${lab.say(ground(i))}`,
+    show: (i) => `${recorded[i].drag} /m ${lab.say(ground(i))}`.trim(),
   });
   const march = new March();
   const { dragon, spiral, begin } = march;
@@ -78,7 +78,7 @@ stages.unguided = (lab) => {
     const found = contact();
     const t = (found?.time ?? time.value).toFixed(2);
     const off = offPath(march.chain(Number(t)).points, benches.handles);
-    const far = off.filter((each) => each > 0.1).length;
+    const far = off.filter((each) => each > 0.3).length;
     const [i, j] = found?.benches ?? [];
     const hit = found ? [` Benches ${i} and ${j} touch.`, `${i} 号和 ${j} 号板凳相碰。`] : ["", ""];
     return [
