@@ -17,22 +17,19 @@ RUNTIME = Path(os.environ.get("PYODIDE_RUNTIME") or NODE / "node_modules" / "pyo
 # The folder with NumPy, cffi and Pillow for Pyodide.
 WHEELS = os.environ.get("PYODIDE_WHEELS")
 
-# Installed libraries that are the same on all platforms. Of the package, its version.
+# Installed libraries that are the same on all platforms, for tests.
 PURE = (
     "click",
     "filelock",
-    "imageio",
     "iniconfig",
     "mpmath",
     "packaging",
     "pluggy",
     "pygments",
-    "pymunk-dragon",
     "pytest",
     "sortedcontainers",
 )
-# Libraries that have wheels for Pyodide in the index of pip, and how pip finds these.
-DOWNLOADS = tuple(f"{name}=={version(name)}" for name in ("hypothesis", "pymunk"))
+# How pip finds wheels for Pyodide.
 PLATFORM = (
     "--only-binary=:all:",
     "--python-version=3.14",
@@ -59,22 +56,27 @@ def missing() -> str | None:
     return None
 
 
-def libraries(folder: Path) -> list[Path]:
-    """Archives with the libraries, of which one is written into `folder`."""
+def libraries(folder: Path, *, tests: bool) -> list[Path]:
+    """Archives with the libraries of a page and of tests, of which one is written to `folder`."""
     if reason := missing():
         raise CannotRunError(reason)
+    wheels = [*Path(WHEELS or "").glob("*.whl"), downloaded("pymunk")]
+    if tests:
+        wheels.append(downloaded("hypothesis"))
     pure = folder / "pure.zip"
     with ZipFile(pure, "w") as archive:
-        for name in PURE:
+        # The package itself is in the repository, but for its version.
+        for name in ("pymunk-dragon", *(PURE if tests else ())):
             for file in distribution(name).files or ():
                 # Without programs and compiled files.
                 if ".." not in file.parts and file.suffix != ".pyc":
                     archive.write(str(file.locate()), file)
-    return [*Path(WHEELS or "").glob("*.whl"), *map(downloaded, DOWNLOADS), pure]
+    return [*wheels, pure]
 
 
-def downloaded(requirement: str) -> Path:
-    """The wheel of a library for Pyodide."""
+def downloaded(name: str) -> Path:
+    """The wheel for Pyodide of an installed library, from the index of pip."""
+    requirement = f"{name}=={version(name)}"
     kept = KEPT / requirement
     if not any(kept.glob("*.whl")):
         command = [sys.executable, "-m", "pip", "download", "--quiet", "--no-deps", *PLATFORM]

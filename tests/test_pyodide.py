@@ -1,6 +1,10 @@
-"""The package in WebAssembly, by Pyodide in node: it finds what it finds here."""
+"""The package in WebAssembly, by Pyodide in node: it finds what it finds here.
+
+With PYODIDE_TESTS=all nothing is skipped, and the tests that take long there run too.
+"""
 
 import json
+import os
 
 import in_node
 import numpy as np
@@ -14,8 +18,7 @@ from pymunk_dragon import Run, render
 
 pytestmark = pytest.mark.thorough
 
-# Sines of two C libraries differ in the last digit: directions, m, gaps, m, and depths of contacts,
-# m, after a few sums of them.
+# Points, gaps and depths, m, and directions: sines of two C libraries differ in the last digit.
 ROUNDING = 1e-14
 # Times of near misses, s: a gap that has changed by the rounding is as small 1e-7 s later.
 MINIMUM = 1e-6
@@ -26,7 +29,7 @@ DEVIATION = 1e-7
 def play(results):
     """Run all of it in one process, as the runtime takes three seconds to start."""
     results.mkdir()
-    in_node.run("pyodide_side.py", results, in_node.libraries(results))
+    in_node.run("pyodide_side.py", results, in_node.libraries(results, tests=True))
 
 
 @pytest.fixture(scope="module")
@@ -35,6 +38,8 @@ def results():
     try:
         return shared("pyodide", play)
     except in_node.CannotRunError as error:
+        if os.environ.get("PYODIDE_TESTS") == "all":
+            raise
         pytest.skip(str(error))
 
 
@@ -50,9 +55,10 @@ def pictures(path):
 def test_first_contact_is_at_the_same_time_to_the_bit(results):
     theirs = read(results / "contact.json")
     ours = json.loads(json.dumps(pyodide_facts.contact()))
-    for name in ("status", "time", "benches", "point", "samples", "tests"):
+    for name in ("status", "time", "benches"):
         assert theirs[name] == ours[name]
-    assert theirs["normal"] == pytest.approx(ours["normal"], abs=ROUNDING)
+    for name in ("point", "normal"):
+        assert theirs[name] == pytest.approx(ours[name], abs=ROUNDING)
 
 
 def test_near_misses_are_the_same(results):
