@@ -226,8 +226,8 @@ def pyodide() -> None:
     whole = sum(map(len, contents)) / 1e6
     packed = sum(len(gzip.compress(content)) for content in contents) / 1e6
     print(f"{whole:.1f} MB, {packed:.1f} MB compressed, without the package")
-    print(f"runtime {usage['runtime']:.2f} s, unpacking {usage['libraries']:.2f} s of processor")
-    for name, seconds in times.items():
+    stages = {"runtime": usage["runtime"], "unpack libraries": usage["libraries"], **times}
+    for name, seconds in stages.items():
         print(f"{name}: {1e3 * seconds:.2f} ms")
     print(f"memory: {usage['memory'] / 1e6:.0f} MB")
 
