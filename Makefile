@@ -170,6 +170,14 @@ docs: $(PAGES:%=renders/%) $(VENV)/documentation ## build the documentation: ren
 	@$(BIN)/python renders/documentation.py renders/docs $(MADE)
 	@echo "open renders/docs/index.html in a browser"
 
+# The tools for the scripts of the pages, and Python in WebAssembly for tests, of exact versions; on
+# a machine without node, neither is checked.
+NODE := $(shell command -v npm 2>/dev/null)
+SCRIPT_TOOLS := tests/node/node_modules/.installed
+
+$(SCRIPT_TOOLS): tests/node/package.json
+	@npm install --prefix $(<D) --no-audit --no-fund --loglevel error > /dev/null && touch $@
+
 # Options for pytest, as in `make test PYTEST="-k sat"`.
 PYTEST ?=
 RUN_TESTS = $(BIN)/python -m pytest -q --numprocesses auto --dist worksteal
@@ -183,7 +191,7 @@ test-versions: .venv-lowest/tools .venv-highest/tools
 	$(RUN_TESTS:$(VENV)/%=.venv-highest/%) -m "not thorough" $(PYTEST)
 
 test-all: ## run all tests: whole runs, every lesson, the commands in texts, pages in a browser
-test-all: $(VENV)/tools
+test-all: $(VENV)/tools $(if $(NODE),$(SCRIPT_TOOLS))
 	$(RUN_TESTS) $(PYTEST)
 
 # Cases of each kind that `make fuzz` runs, at most 3,000 of wrong arguments.
@@ -194,14 +202,6 @@ FUZZED = no_case_fails$(if $(KIND), and ($(KIND)))
 
 fuzz: $(VENV)/tools ## run CASES random cases of command lines, files and wrong arguments  [5000]
 	FUZZ_CASES=$(CASES) $(BIN)/python -m pytest -q -s tests/fuzz -k '$(FUZZED)'
-
-# The tools for the scripts of the pages, of exact versions; on a machine without node, scripts are
-# not checked.
-NODE := $(shell command -v npm 2>/dev/null)
-SCRIPT_TOOLS := tests/node/node_modules/.installed
-
-$(SCRIPT_TOOLS): tests/node/package.json
-	@npm install --prefix $(<D) --no-audit --no-fund --loglevel error > /dev/null && touch $@
 
 NO_NODE := @echo "no node: the scripts of pages are not checked"
 

@@ -55,3 +55,11 @@ def test_no_module_needs_posix_to_be_imported():
 def test_march_run_and_film_need_no_threads_processes_or_signals(tmp_path):
     subprocess.run([sys.executable, "-c", BROWSER], check=True, cwd=tmp_path)
     assert (tmp_path / "film.gif").read_bytes()[:6] == b"GIF89a"
+
+
+def test_sessions_import_nothing_that_a_page_waits_for_in_vain():
+    vain = "click", "email", "imageio", "pymunk_dragon.player", "pymunk_dragon.reports"
+    code = (
+        f"import pymunk_dragon.sessions.session, sys; assert sys.modules.keys().isdisjoint({vain})"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)

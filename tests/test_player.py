@@ -34,9 +34,9 @@ from pymunk_dragon.player.data import (
     _contact_windows,
     _exact_offsets,
     _handle_vectors,
-    curve_points,
     pack,
 )
+from pymunk_dragon.web.curve import curve_points
 
 SMALL = March(Dragon(benches=16), turns=8)
 MARKUP = "</script><img src=http://127.0.0.1:9/x onerror=alert(1)><!--<script>{{style}}&amp;"

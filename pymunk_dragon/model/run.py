@@ -14,7 +14,6 @@ import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field, fields
-from importlib.metadata import version
 from pathlib import Path
 from types import NoneType
 from typing import IO, Any, Literal, get_args
@@ -424,6 +423,9 @@ def _opened(path: str | Path) -> Iterator[tuple[dict[str, Any], Mapping[str, NDA
 
 def versions() -> dict[str, str]:
     """Versions of Python and of the libraries that decide a run's numbers."""
+    # It imports what reads mail, which takes long in a page.
+    from importlib.metadata import version
+
     names = ("pymunk-dragon", "pymunk", "numpy")
     return {"python": platform.python_version()} | {name: version(name) for name in names}
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import math
 import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
-from statistics import fmean
 from time import perf_counter
 from typing import Any, get_args
 
@@ -140,7 +140,7 @@ class Recorder:
             earlier = self._earlier.get(benches, pymunk.Vec2d.zero())
             impulse = _signed(impulse_of(arbiter, earlier, 1.0), not swapped)
 
-        x, y = map(fmean, zip(*points, strict=True))
+        x, y = (math.fsum(each) / len(each) for each in zip(*points, strict=True))
         of_first, of_second = (
             self._world.bodies[bench].velocity_at_world_point((x, y)) for bench in (first, second)
         )

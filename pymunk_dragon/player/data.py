@@ -22,9 +22,9 @@ from pymunk_dragon.collision import Grid
 from pymunk_dragon.drawing.scene import hole_diameter
 from pymunk_dragon.errors import UnreachableError
 from pymunk_dragon.model.contact import ContactWindow
-from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run, position_errors
 from pymunk_dragon.reports.summary import Summary
+from pymunk_dragon.web.curve import CURVE_ERROR, curve_points
 
 # Step of positions as a fraction of a bench's width: 0.2 micrometres at the contest's 0.3 m, so
 # that a gap between two benches is known to a thousandth of a millimetre.
@@ -46,18 +46,6 @@ _ROUNDING = 1e-9
 _ORDER = 4
 # Steps from the origin in either direction: the range of 32 bits, less one for rounding.
 _MAX_COUNT = 2**31 - 2
-# Largest distance of the drawn curve from the true one as a fraction of a bench's width: 0.1 mm at
-# the contest's 0.3 m.
-CURVE_ERROR = 1 / 3000
-# Samples of the curvature along the curve.
-_CURVE_SAMPLES = 4000
-# Largest number of points of the curve in a page.
-MAX_CURVE_POINTS = 20_000
-# The largest curvature over the one that straight parts count as: their chords are three times as
-# long as the shortest. The page leaves out points in a distant view, and a chord across a joint
-# must not be much further off than others.
-_STRAIGHT_RATIO = 9
-
 # Shape and scale of packed vectors as JSON values, and their text.
 _Packed = tuple[dict[str, Any], str]
 
@@ -166,29 +154,6 @@ def _contact_windows(run: Run) -> list[dict[str, Any]]:
         windows.append(ContactWindow(benches=first.benches, begin=first.time, end=end))
     windows.sort(key=lambda window: (window.begin, window.benches))
     return [asdict(window) for window in windows]
-
-
-def curve_points(march: March, start: float, end: float) -> Array:
-    """Points (P, 2) in m of the curve over `March.span`, closer where the curvature is larger.
-
-    The span begins at the dragon's position at 0 s even if the run from `start` to `end` s is
-    later.
-    """
-    curve = march.curve
-    first, last = march.span(min(start, 0.0), max(end, 0.0))
-    s = np.linspace(first, last, _CURVE_SAMPLES)
-    curvature = curve.max_curvature(s[:-1], s[1:])
-    curvature = np.where(curvature > 0, curvature, curvature.max() / _STRAIGHT_RATIO)
-
-    # A chord c of a curve with the curvature k has an error of k c^2 / 8.
-    error = CURVE_ERROR * float(march.dragon.widths.min())
-    chords = np.sqrt(curvature / (8 * error)) * np.diff(s)
-    # Number of chords up to each sample. It rises a little even on a straight line, of which the
-    # two ends are shown.
-    passed = np.concatenate([[0.0], np.cumsum(chords + 1e-9)])
-    count = int(min(passed[-1] + 2, MAX_CURVE_POINTS))
-    shown = np.interp(np.linspace(0.0, passed[-1], count), passed, s)
-    return curve.point(shown)
 
 
 def _exact_offsets(run: Run) -> Array | None:

@@ -1,15 +1,18 @@
-"""Live sessions: start, frame rate, delay of the mouse, many clients, and memory.
+"""Live sessions: start, frame rate, delay of the mouse, many clients, memory, and WebAssembly.
 
-`python tests/bench/bench_live.py [start browser delay soak]`; all but the first and the last need
-Chromium.
+`python tests/bench/bench_live.py [start browser delay soak pyodide]`; `browser` and `delay` need
+Chromium, `pyodide` what `tests/in_node.py` describes.
 """
 
 from __future__ import annotations
 
 import asyncio
+import gzip
+import json
 import re
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -24,6 +27,7 @@ from measure import run, sized, spread
 from playwright.sync_api import Page
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
+import in_node
 from browser import chromium, opened, wait_until
 from live_sessions import SocketClient, joined
 
@@ -195,7 +199,40 @@ def delay() -> None:
         print(spread(page.evaluate("delays"), 0))
 
 
-BENCHMARKS = {"start": start, "browser": browser, "delay": delay, "soak": soak}
+# Files of the runtime that a page loads, beside its wheels.
+RUNTIME = (
+    "pyodide-lock.json",
+    "pyodide.asm.mjs",
+    "pyodide.asm.wasm",
+    "pyodide.mjs",
+    "python_stdlib.zip",
+)
+# Steps and frames in Pyodide.
+STEPS = sized(500, 5)
+
+
+def pyodide() -> None:
+    """A session in WebAssembly, in node: bytes, processor time of each stage, and memory."""
+    files = [in_node.RUNTIME / name for name in RUNTIME]
+    with tempfile.TemporaryDirectory() as folder:
+        results = Path(folder)
+        archives = in_node.libraries(results, tests=False)
+        (results / "steps").write_text(str(STEPS))
+        in_node.run("bench/pyodide_live.py", results, archives)
+        usage = json.loads((results / "usage.json").read_text())
+        times = json.loads((results / "times.json").read_text())
+        contents = [path.read_bytes() for path in (*files, *archives)]
+
+    whole = sum(map(len, contents)) / 1e6
+    packed = sum(len(gzip.compress(content)) for content in contents) / 1e6
+    print(f"{whole:.1f} MB, {packed:.1f} MB compressed, without the package")
+    stages = {"runtime": usage["runtime"], "unpack libraries": usage["libraries"], **times}
+    for name, seconds in stages.items():
+        print(f"{name}: {1e3 * seconds:.2f} ms")
+    print(f"memory: {usage['memory'] / 1e6:.0f} MB")
+
+
+BENCHMARKS = {"start": start, "browser": browser, "delay": delay, "soak": soak, "pyodide": pyodide}
 
 if __name__ == "__main__":
     run(BENCHMARKS)
