@@ -114,16 +114,10 @@ def pack(vectors: Array, step: float, *, from_zero: bool = False) -> _Packed:
     folded = ((wrapped << 1) ^ (wrapped >> 31)).astype("<u4")
     planes = np.ascontiguousarray(folded).view(np.uint8).reshape(-1, 4).T
     text = b64encode(zlib.compress(planes.tobytes(), 9)).decode("ascii")
-
     frames, points, _ = vectors.shape
-    shape = {
-        "frames": frames,
-        "points": points,
-        "origin": origin.tolist(),
-        "step": step,
-        "order": _ORDER,
-    }
-    return shape, text
+    shape = {"frames": frames, "points": points, "order": _ORDER}
+    scale = {"origin": origin.tolist(), "step": step}
+    return shape | scale, text
 
 
 def _handle_vectors(front: Array, rear: Array) -> Array:
