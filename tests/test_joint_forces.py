@@ -5,7 +5,17 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pymunk_dragon import Dragon, Line, March, PathGuide, Spiral, World, simulate
+from pymunk_dragon import (
+    Dragon,
+    Line,
+    March,
+    PathGuide,
+    Spiral,
+    World,
+    joint_forces,
+    pull,
+    simulate,
+)
 
 # s: step of the central differences whose error is a rounding error and 1e-12 of the force.
 _STEP = 1e-3
@@ -65,6 +75,18 @@ def test_guided_joints_have_the_forces_of_the_exact_motion(time, first):
     # The first frame has them too.
     earlier = exact_forces(march, time - 1)
     np.testing.assert_allclose(run.joint_forces[0], earlier, atol=1e-3 * earlier.max())
+
+
+def test_frame_of_the_contact_has_the_forces_before_the_impact():
+    march = March()
+    guided = simulate(march, start=411.0)
+    pulled = simulate(march, guide="none", until=11.0)
+    for run, exact in (
+        (guided, joint_forces(march, guided.times[-1:])[0]),
+        (pulled, pull(march, until=pulled.times[-1]).joint_forces[-1]),
+    ):
+        assert run.first_contact.time == run.times[-1]
+        np.testing.assert_allclose(run.joint_forces[-1], exact, atol=0.01 * exact.max())
 
 
 def test_guided_unequal_benches_have_them_too_where_contacts_are_resolved():

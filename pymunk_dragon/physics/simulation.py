@@ -215,16 +215,28 @@ class _Loop:
         self.first_contact = first
         if world.settings.contacts == "stop":
             share = (first.time - begin) / substep
-            self._record(first.time, motion.poses(share), motion.rates(share) / substep)
+            rates = motion.rates(share) / substep
+            self._record(first.time, motion.poses(share), rates, self._forces_at(first.time))
 
-    def _record(self, time: float, poses: Array, velocities: Array) -> None:
+    def _forces_at(self, time: float) -> Array:
+        """Forces in the joints at a contact, extrapolated: those of its substep have the impact."""
+        *earlier, (end, _, _, forces) = self.frames
+        if not earlier:
+            return forces
+        begin, _, _, before = earlier[-1]
+        return np.abs(forces + (time - end) / (end - begin) * (forces - before))
+
+    def _record(
+        self, time: float, poses: Array, velocities: Array, forces: Array | None = None
+    ) -> None:
         """Keep a frame, if it is not the last one again."""
         if not np.all(np.isfinite(poses) & np.isfinite(velocities)):
             raise DragonError(
                 f"the chain flew apart before t = {time:.6g} s; a smaller substep may hold it"
             )
         if not self.frames or time > self.frames[-1][0]:
-            self.frames.append((time, poses, velocities, self._world.joint_forces))
+            forces = self._world.joint_forces if forces is None else forces
+            self.frames.append((time, poses, velocities, forces))
 
 
 def _waiting_head(world: World, total: int) -> Iterator[None]:

@@ -200,6 +200,10 @@ class World:
         self._pulled: int | None = None
         # The guide's forces in the last step, N, N, N m.
         self._pushes = np.zeros((benches, 3))
+        self._forget_forces()
+
+    def _forget_forces(self) -> None:
+        """Take the joints to carry nothing, so that the next step is one of first order."""
         self._mid_torque = MidTorque(self.march.dragon, self.masses)
 
     @property
@@ -222,8 +226,10 @@ class World:
 
     def _is_disturbed(self) -> bool:
         """Whether not all benches are guided, or contacts or joints of others act on them."""
-        if self.free_from is not None or not self._dancers.push_all:
-            return True
+        return self.free_from is not None or not self._dancers.push_all or self._others_act()
+
+    def _others_act(self) -> bool:
+        """Whether contacts or joints of others had forces on the benches in the last step."""
         if self.settings.contacts != "resolve":
             return False
         return len(self.space.constraints) > self._joints or self._contacts.push()
@@ -321,6 +327,9 @@ class World:
         first = self._pulled
         if first is not None:
             self._mid_torque.after_step(velocities, self._buffers.forces)
+            if self._others_act():
+                # Their forces are part of what is taken for those in the joints.
+                self._forget_forces()
         self.velocities = velocities
         self.poses = self.collided_poses
         if self.settings.contacts != "resolve":
@@ -515,7 +524,7 @@ class World:
         bench = whole("bench", bench, 1, len(self.pivots))
         if self._pulled_from is None:
             # Forces of an earlier time without dancers are no longer true.
-            self._mid_torque = MidTorque(self.march.dragon, self.masses)
+            self._forget_forces()
         self._dancers.release(bench, self.settings.drag)
         self._apply_settings()
 
