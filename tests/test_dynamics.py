@@ -569,3 +569,94 @@ def test_run_without_an_end_goes_as_far_as_the_head_can():
     line = March(Dragon(benches=4), Line(stop=(40, 0)), start_s=38.0)
     assert pull(line).times[-1] == line.end == 2.0
     assert pull(line).outcome == "clear"
+
+
+# Another program
+
+
+def exudyn_centres(march, until, step):
+    """Centres of the benches behind the head at the end, by exudyn's rigid bodies and joints.
+
+    The coordinates of all bodies are unknowns, joints are constraints, and the ground is a damper
+    for each coordinate.
+    """
+    exudyn = pytest.importorskip("exudyn", reason="exudyn has no wheels for this platform")
+    import exudyn.utilities as parts
+
+    dragon = march.dragon
+    times = step * np.arange(round(until / step) + 1)
+    hole = march.at(times, handles=2)
+    system = exudyn.SystemContainer().AddSystem()
+    ground = system.AddNode(parts.NodePointGround())
+    fixed = system.AddMarker(parts.MarkerNodeCoordinate(nodeNumber=ground, coordinate=0))
+
+    def coordinate(node, number):
+        return system.AddMarker(parts.MarkerNodeCoordinate(nodeNumber=node, coordinate=number))
+
+    def at(values, axis):
+        return lambda mbs, time, number, offset: float(values[round(time / step), 1, axis])
+
+    begin = hole.positions[0, 1]
+    leader = system.AddNode(
+        parts.NodePoint2D(referenceCoordinates=begin, initialVelocities=hole.velocities[0, 1])
+    )
+    system.AddObject(parts.ObjectMassPoint2D(nodeNumber=leader, mass=1.0))
+    for axis in (0, 1):
+        motion = at(hole.positions - begin, axis), at(hole.velocities, axis)
+        system.AddObject(
+            parts.ObjectConnectorCoordinate(
+                markerNumbers=[fixed, coordinate(leader, axis)],
+                offsetUserFunction=motion[0],
+                offsetUserFunction_t=motion[1],
+            )
+        )
+    before = system.AddMarker(parts.MarkerNodePosition(nodeNumber=leader))
+    start = march.at(0.0)
+    nodes = []
+    for bench in range(1, dragon.benches):
+        mass, moment = dragon.masses[bench], dragon.moments[bench]
+        node = system.AddNode(
+            parts.NodeRigidBody2D(
+                referenceCoordinates=start.poses[0, bench],
+                initialVelocities=start.pose_velocities[0, bench],
+            )
+        )
+        body = system.AddObject(parts.ObjectRigidBody2D(nodeNumber=node, mass=mass, inertia=moment))
+        for axis, inertia in enumerate((mass, mass, moment)):
+            system.AddObject(
+                parts.CoordinateSpringDamper(
+                    markerNumbers=[fixed, coordinate(node, axis)], damping=11.5 * inertia
+                )
+            )
+        half = dragon.spacings[bench] / 2
+        ends = [
+            system.AddMarker(parts.MarkerBodyPosition(bodyNumber=body, localPosition=[x, 0, 0]))
+            for x in (half, -half)
+        ]
+        system.AddObject(parts.RevoluteJoint2D(markerNumbers=[before, ends[0]]))
+        before = ends[1]
+        nodes.append(node)
+
+    system.Assemble()
+    settings = exudyn.SimulationSettings()
+    settings.timeIntegration.numberOfSteps = len(times) - 1
+    settings.timeIntegration.endTime = until
+    # The trapezoidal rule.
+    settings.timeIntegration.generalizedAlpha.spectralRadius = 1.0
+    settings.timeIntegration.newton.relativeTolerance = 1e-10
+    settings.solution.file.write = False
+    system.SolveDynamic(settings)
+    position = exudyn.OutputVariableType.Position
+    return np.array([system.GetNodeOutput(node, position)[:2] for node in nodes])
+
+
+@pytest.mark.thorough
+def test_exudyn_moves_twenty_benches_to_the_same_places():
+    march = March(Dragon(benches=20))
+    exact = pull(march, until=1.0, tolerance=1e-11).poses[-1, 1:, :2]
+    coarse, fine = (
+        np.abs(exudyn_centres(march, 1.0, step) - exact).max() for step in (0.004, 0.002)
+    )
+    # exudyn's error falls with the square of its step, and nothing else is left.
+    assert fine < 1e-6
+    assert coarse / fine == pytest.approx(4, rel=0.1)

@@ -354,15 +354,10 @@ def _forces(source: FigureSource) -> Figure:
     run = source.run
     if run is None or run.joint_forces is None:
         raise ParameterError("run", run and "one without forces in joints", "a run of `simulate`")
-    # The frame of the contact follows a shortened substep, in which the joint solver has not
-    # converged.
-    contact = run.first_contact
-    before = run.times < (contact.time if contact else np.inf)
-    times = run.times[before]
-    forces = run.joint_forces[before]
-    if not forces.max(initial=0.0) > 0:
-        bound = "a run of `simulate` with a frame before the contact"
-        raise ParameterError("run", "one without joint forces", bound)
+    times = run.times
+    forces = run.joint_forces
+    if not forces.max() > 0:
+        raise ParameterError("run", "one without forces in joints", "a run of `simulate`")
 
     several = _several_times(times[0], times[-1])
     rows = np.unique(np.searchsorted(times, several))
