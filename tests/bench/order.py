@@ -102,6 +102,38 @@ def pulled() -> None:
             print(f"| {' | '.join(row)} |", flush=True)
 
 
+# Pairs of an order, a substep, s, and iterations, whose processor times are compared in turns:
+# those with an error of the contact of 0.1 ms and of the holes of 0.15 mm, and the defaults.
+COMPARED = sized(
+    {
+        "0.1 ms, 0.15 mm": ((1, 0.001, 10), (2, 0.01, 10)),
+        "default": ((1, 0.02, 10), (2, 0.025, 20)),
+    },
+    {"default": ((1, 0.02, 10), (2, 0.025, 20))},
+)
+
+
+def goal() -> None:
+    """Processor time of order 2 over that of order 1, in turns, and the errors of both."""
+    exact = pull(March(), until=UNTIL)
+    for name, rules in COMPARED.items():
+        seconds: list[list[float]] = [[], []]
+        for _ in range(REPEATS):
+            for taken, rule in zip(seconds, rules, strict=True):
+                begin = time.process_time()
+                run = play(*rule)
+                taken.append(time.process_time() - begin)
+        ratios = [two / one for one, two in zip(*seconds, strict=True)]
+        print(f"{name}: {median(ratios):.3f} of the processor time", end="")
+        for rule in rules:
+            run = play(*rule)
+            one, two = run.first_contact, exact.first_contact
+            late = 1e3 * (one.time - two.time) if one and two else np.nan
+            off = 1e3 * furthest(run.march.dragon, run, exact)
+            print(f"; order {rule[0]} {late:+.3f} ms, {off:.3f} mm", end="")
+        print(flush=True)
+
+
 # ---- scenarios
 
 # Values of `EngineSettings.order`, and factors on the corrections of poses: None for those of the
@@ -284,7 +316,7 @@ def scenarios() -> None:
         print("|", " | ".join([name, *errors_of_resolved(name)]), "|", flush=True)
 
 
-BENCHMARKS = {"pulled": pulled, "scenarios": scenarios}
+BENCHMARKS = {"goal": goal, "pulled": pulled, "scenarios": scenarios}
 
 if __name__ == "__main__":
     measure.run(BENCHMARKS)
