@@ -20,7 +20,6 @@ import shutil
 import subprocess
 import tempfile
 import time
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, partial
 from importlib import import_module
@@ -69,6 +68,16 @@ SPANS = {
 }
 
 
+# Steps a second, and iterations (substeps in Box2D 3) in a step, for the table of speeds.
+SPEEDS: dict[str, tuple[tuple[int, int], ...]] = {
+    "pymunk_world": ((15, 10), (25, 10), (50, 10), (50, 40), (100, 20), (200, 20), (400, 20)),
+    "box2d_3": ((30, 2), (30, 4), (60, 2), (60, 4), (60, 8), (60, 16), (120, 4), (240, 4)),
+    "planck": ((60, 4), (60, 16), (120, 8)),
+    "matter": ((60, 15), (60, 30), (60, 60)),
+    "p2": ((60, 25), (120, 25), (240, 25), (240, 50)),
+}
+
+
 @dataclass(frozen=True)
 class Played:
     """A run of an engine.
@@ -108,8 +117,8 @@ def exact_poses(drive: str, substep: float) -> tuple[Array, Array]:
     return times, np.concatenate([March().at(part).poses for part in np.array_split(times, 40)])
 
 
-def scene_of(drive: str, substep: float) -> Scene:
-    """What an engine is given for a drive and a length of its steps, s."""
+def scene_of(drive: str, substep: float, iterations: int) -> Scene:
+    """What an engine is given for a drive, a length of its steps, s, and iterations in each."""
     march = March()
     times, poses = exact_poses(drive, substep)
     states = march.at(times[0])
@@ -132,13 +141,14 @@ def scene_of(drive: str, substep: float) -> Scene:
         start=np.stack([poses[0], states.pose_velocities[0]]),
         head=head,
         anchors=anchors,
+        iterations=iterations,
     )
 
 
-def play_python(module: str, drive: str) -> Played:
-    """Play a drive in an engine with bindings for Python."""
+def play_python(module: str, drive: str, substep: float = 0.0, iterations: int = 0) -> Played:
+    """Play a drive in an engine with bindings for Python, at its own settings or at others."""
     kind = import_module(f"adapters.{module}").Engine
-    scene = scene_of(drive, kind.substeps[drive])
+    scene = scene_of(drive, substep or kind.substeps[drive], iterations)
     engine = kind(scene)
     poses = [scene.start[0]]
     reported: list[tuple[int, int, int]] = []
@@ -170,10 +180,9 @@ def about(module: str) -> dict[str, Any]:
     return node(module)
 
 
-def play_javascript(module: str, drive: str) -> Played:
-    """Play a drive in an engine for JavaScript, in a process of node."""
-    substep = about(module)["substep"]
-    scene = scene_of(drive, substep)
+def play_javascript(module: str, drive: str, substep: float = 0.0, iterations: int = 0) -> Played:
+    """Play a drive in an engine for JavaScript, in a process of node; as `play_python`."""
+    scene = scene_of(drive, substep or about(module)["substep"], iterations)
     with tempfile.TemporaryDirectory() as folder:
         given, found = Path(folder, "scene"), Path(folder, "poses")
         scene.write(given)
@@ -241,9 +250,9 @@ def row(played: Played, drive: str, contact: float) -> str:
     return f"{label}{' | '.join(cells)} |"
 
 
-def players(drive: str) -> list[Callable[[], Played]]:
+def players(drive: str) -> list[partial[Played]]:
     """A function for each installed engine that has this drive; prints a line for the others."""
-    found: list[Callable[[], Played]] = []
+    found: list[partial[Played]] = []
     for module in PYTHON:
         try:
             kind = import_module(f"adapters.{module}").Engine
@@ -288,7 +297,29 @@ def pinned() -> None:
     compare("pinned")
 
 
-BENCHMARKS = {"head": head, "rails": rails, "pinned": pinned}
+def speed() -> None:
+    """Position error on rails and speed of engines, at several settings each."""
+    installed = [play.args[0] for play in players("rails")]
+    contact = first_contact(March()).time
+    print("| engine | step | iterations | position error, mm | times real time, steps | driver |")
+    print("| --- " * 6 + "|")
+    small: dict[str, tuple[tuple[int, int], ...]] = {"pymunk_world": ((25, 10),)}
+    for module, pairs in sized(SPEEDS, small).items():
+        if module not in installed:
+            continue
+        play = play_javascript if module in PACKAGES else play_python
+        for rate, iterations in pairs:
+            played = play(module, "rails", 1 / rate, iterations)
+            _, exact = exact_poses("rails", 1 / rate)
+            seen = played.times <= contact
+            off = errors(played.poses[seen], exact[seen]).max()
+            span = played.times[-1] - played.times[0]
+            cells = [played.name, f"1/{rate} s", str(iterations)]
+            cells += [shown(each) for each in (1e3 * off, span / played.bare, span / played.whole)]
+            print(f"| {' | '.join(cells)} |", flush=True)
+
+
+BENCHMARKS = {"head": head, "rails": rails, "pinned": pinned, "speed": speed}
 
 if __name__ == "__main__":
     measure.run(BENCHMARKS)

@@ -44,6 +44,8 @@ class Scene:
         Poses of the head at the start and after each step.
     anchors : ndarray, shape (T + 1, A, 2)
         Anchors, m: one for the rear hole of each bench but the head, or none.
+    iterations : int
+        Iterations, or substeps, of the engine in a step; 0 for those in its `settings`.
     """
 
     dragon: Dragon
@@ -54,6 +56,7 @@ class Scene:
     start: Array
     head: Array
     anchors: Array
+    iterations: int = 0
 
     @property
     def steps(self) -> int:
@@ -67,6 +70,7 @@ class Scene:
             "steps": self.steps,
             "drag": self.drag,
             "rail": self.rail,
+            "iterations": self.iterations,
             "anchors": self.anchors.shape[1],
             "density": DENSITY,
             "lengths": self.dragon.lengths.tolist(),

@@ -70,7 +70,7 @@ class Engine:
 
     def step(self) -> None:
         self.touched.clear()
-        self.world.step(self.scene.step, 4)
+        self.world.step(self.scene.step, self.scene.iterations or 4)
         contacts = self.world.get_contact_events()
         if contacts.begin_count:
             for event in contacts.begin_events():

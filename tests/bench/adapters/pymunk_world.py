@@ -8,7 +8,7 @@ import numpy as np
 import pymunk
 
 from adapters import Scene
-from pymunk_dragon import March, World
+from pymunk_dragon import EngineSettings, March, World
 from pymunk_dragon._arrays import Array
 
 
@@ -25,7 +25,10 @@ class Engine:
         times = scene.begin + scene.step * np.arange(scene.steps + 1)
         self.heads = march.at(times, handles=2)
         guide = "rails" if scene.rail else "none"
-        self.world = World(march, guide, start=times[0], until=times[-1], contacts="report")
+        changes = {"iterations": scene.iterations} if scene.iterations else {}
+        span = {"start": times[0], "until": times[-1]}
+        settings = EngineSettings(contacts="report", substep=scene.step, **changes)
+        self.world = World(march, guide, settings, **span)
         self.numbers: dict[pymunk.Shape, int] = {}
         self.numbers.update((shape, number) for number, shape in enumerate(self.world.shapes))
         self.world.space.on_collision(begin=self._begin)

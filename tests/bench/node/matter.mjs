@@ -16,7 +16,10 @@ export const about = {
 export class Engine {
   constructor(scene) {
     this.scene = scene;
-    this.core = Core.create({ constraintIterations: ITERATIONS, gravity: { x: 0, y: 0 } });
+    this.core = Core.create({
+      constraintIterations: scene.iterations || ITERATIONS,
+      gravity: { x: 0, y: 0 },
+    });
     Events.on(this.core, "collisionStart", ({ pairs }) => {
       for (const pair of pairs) this.touched.push([pair.bodyA.number, pair.bodyB.number]);
     });

@@ -15,7 +15,7 @@ export class Engine {
   constructor(scene) {
     this.scene = scene;
     this.world = new p2.World({ gravity: [0, 0] });
-    this.world.solver.iterations = 50;
+    this.world.solver.iterations = scene.iterations || 50;
     this.world.on("beginContact", ({ bodyA, bodyB }) => {
       this.touched.push([bodyA.number, bodyB.number]);
     });

@@ -77,7 +77,8 @@ export class Engine {
   }
 
   step() {
-    this.world.step(this.scene.step, 8, 3);
+    const iterations = this.scene.iterations || 8;
+    this.world.step(this.scene.step, iterations, Math.ceil((3 * iterations) / 8));
   }
 
   poses() {
