@@ -6,16 +6,38 @@ import Matter from "matter-js";
 const { Bodies, Body, Composite, Constraint, Engine: Core, Events } = Matter;
 const { version } = JSON.parse(readFileSync("node_modules/matter-js/package.json", "utf8"));
 const ITERATIONS = 60;
+// A metre. Where lengths are about 1, a force at a point turns a body too little.
+const PIXELS = 100;
 
 export const about = {
   name: `matter-js ${version}`,
-  settings: `${ITERATIONS} iterations`,
+  settings: `${ITERATIONS} iterations; head only: own inertia, stiffness 0.4`,
   substep: 1 / 60,
 };
 
+/** The scene with lengths in pixels. */
+function inPixels(scene) {
+  const place = ([x, y, ...angle]) => [PIXELS * x, PIXELS * y, ...angle];
+  const sizes = (values) => values.map((value) => PIXELS * value);
+  return {
+    ...scene,
+    rail: PIXELS * scene.rail,
+    lengths: sizes(scene.lengths),
+    widths: sizes(scene.widths),
+    spacings: sizes(scene.spacings),
+    poses: scene.poses.map(place),
+    velocities: scene.velocities.map(place),
+    head: scene.head.map(place),
+    anchors: scene.anchors.map((places) => places.map(place)),
+  };
+}
+
 export class Engine {
-  constructor(scene) {
+  constructor(given) {
+    const scene = inPixels(given);
     this.scene = scene;
+    // Joints of a stiffness of 1 need four times the inertia.
+    this.stiffness = scene.drag ? 0.4 : 1;
     this.core = Core.create({
       constraintIterations: scene.iterations || ITERATIONS,
       gravity: { x: 0, y: 0 },
@@ -33,8 +55,9 @@ export class Engine {
         isSensor: true,
         number: index,
       });
-      // A rectangle comes with four times the moment of inertia that it has.
-      Body.setInertia(body, body.inertia / 4);
+      // A rectangle comes with four times the moment of inertia that it has, which matters where
+      // the motion is not that of the rails.
+      if (scene.drag) Body.setInertia(body, body.inertia / 4);
       const [u, v, spin] = scene.velocities[index];
       Body.setVelocity(body, { x: u / 60, y: v / 60 });
       Body.setAngularVelocity(body, spin / 60);
@@ -51,7 +74,12 @@ export class Engine {
     const { anchors, rail, spacings } = this.scene;
     const body = this.benches[index];
     const half = spacings[index] / 2;
-    const front = { bodyB: body, pointB: this.turned(index, half), length: 0, stiffness: 1 };
+    const front = {
+      bodyB: body,
+      pointB: this.turned(index, half),
+      length: 0,
+      stiffness: this.stiffness,
+    };
     if (index === 1) {
       // Points of a static body do not turn with it.
       this.hinge = Constraint.create({ pointA: this.rearHole(0), ...front });
@@ -64,7 +92,13 @@ export class Engine {
     if (!anchors[0].length) return;
     const [x, y] = anchors[0][index - 1];
     const rear = this.turned(index, -half);
-    const joint = { pointA: { x, y }, bodyB: body, pointB: rear, length: rail, stiffness: 1 };
+    const joint = {
+      pointA: { x, y },
+      bodyB: body,
+      pointB: rear,
+      length: rail,
+      stiffness: this.stiffness,
+    };
     this.held.push(Constraint.create(joint));
     Composite.add(this.core.world, this.held.at(-1));
   }
@@ -97,6 +131,10 @@ export class Engine {
   }
 
   poses() {
-    return this.benches.map(({ position, angle }) => [position.x, position.y, angle]);
+    return this.benches.map(({ position, angle }) => [
+      position.x / PIXELS,
+      position.y / PIXELS,
+      angle,
+    ]);
   }
 }
