@@ -2,16 +2,17 @@
 # Box2D 3: a rotation that is made of an angle is off by up to 1.6 mrad.
 #
 # Expected: `b2MakeRot(angle)` has the cosine and the sine of the angle to the precision of its
-# numbers of 32 bits, about 1e-7. `b2Rot_GetAngle`, which the header calls an approximation "accurate
-# to around 0.0023 degrees", gives the angle back.
-# Seen: 0.3 rad comes back as 0.3015 rad. The largest error over a turn is 1.65 mrad; at multiples of
-# a right angle there is none.
+# numbers of 32 bits, about 1e-7. `b2Rot_GetAngle`, which the header calls an approximation
+# "accurate to around 0.0023 degrees", gives the angle back.
+# Seen: 0.3 rad comes back as 0.3015 rad. The largest error over a turn is 1.65 mrad; at multiples
+# of a right angle there is none.
 # Versions: pyb2d3 0.11.1, which has Box2D 3.1.1, numpy 2.4.6, CPython 3.11.7, Linux on x86-64.
 # Source: measurement; the header says that `b2ComputeCosSin` is "implemented for cross-platform
 # determinism", and nothing about its accuracy, while it does for the arctangent.
 # Why it matters: the corner of a box of 10 m is 8 mm beside its place, so that boxes set side by
-# side at an angle begin with an overlap or a gap, and joints are violated at the start. A rotation
-# whose sine and cosine are set has no such error. The bindings do so for the `rotation` of a body.
+# side at an angle begin with an overlap or a gap, and joints are violated at the start. A
+# rotation whose sine and cosine are set has no such error. The bindings do so for the `rotation`
+# of a body.
 set -euo pipefail
 
 folder=$(mktemp -d)

@@ -2,21 +2,20 @@
 # matter.js: a rod that hangs from its end swings too slowly, and the more so the shorter it is in
 # pixels.
 #
-# Expected: a thin rod of length L that swings a little about its end has the period
-# 2 pi sqrt(2 L / (3 g)), which depends on no unit of length; small steps without air friction come
-# close to it.
-# Seen: 2147 ms in place of 1622 ms for a rod of 100 pixels. With a quarter of its moment of inertia
-# it has the period of the formula. But a rod of length 1, with gravity in proportion, then takes
-# 3245 ms. Smaller steps and more iterations change nothing.
+# Expected: a thin rod of length L that swings a little about its end has the period 2 pi sqrt(2 L
+# / (3 g)), which depends on no unit of length; small steps without air friction come close to it.
+# Seen: 2147 ms in place of 1622 ms for a rod of 100 pixels. With a quarter of its moment of
+# inertia it has the period of the formula. But a rod of length 1, with gravity in proportion,
+# then takes 3245 ms. Smaller steps and more iterations change nothing.
 # Versions: matter-js 0.20.0, node 20.20.2, Linux on x86-64.
-# Source: measurement; and the code of matter.js. A body made of vertices gets four times its moment
-# of inertia (`Body._inertiaScale`), and (4 / 12 + 1 / 4) / (1 / 3) is the square of 2147 / 1622. And
-# `Constraint.solve` divides the turn of a body by the sum of its inverse mass and its inverse
-# inertia, which are numbers of different units, in place of the inverse mass. That is hardly less
-# for a rod of 100 pixels, and 13 times as much for a rod of length 1.
+# Source: measurement; and the code of matter.js. A body made of vertices gets four times its
+# moment of inertia (`Body._inertiaScale`), and (4 / 12 + 1 / 4) / (1 / 3) is the square of 2147 /
+# 1622. And `Constraint.solve` divides the turn of a body by the sum of its inverse mass and its
+# inverse inertia, which are numbers of different units, in place of the inverse mass. That is
+# hardly less for a rod of 100 pixels, and 13 times as much for a rod of length 1.
 # Why it matters: chains, ragdolls and pendulums move otherwise than in any other engine, though
-# their joints are closed. Give bodies their own inertia, work in pixels, not in metres, and lower the
-# stiffness: a chain of rods with their own inertia flies apart at 1, and holds at 0.4.
+# their joints are closed. Give bodies their own inertia, work in pixels, not in metres, and lower
+# the stiffness: a chain of rods with their own inertia flies apart at 1, and holds at 0.4.
 set -euo pipefail
 
 folder=$(mktemp -d)
@@ -39,7 +38,8 @@ function period(length, scale, step, iterations) {
   const [x, y] = [Math.cos(tilt), Math.sin(tilt)].map((share) => (share * length) / 2);
   const rod = Bodies.rectangle(x, y, length, length / 100, { angle: tilt, frictionAir: 0 });
   Body.setInertia(rod, rod.inertia * scale);
-  const hinge = { pointA: { x: 0, y: 0 }, bodyB: rod, pointB: { x: -x, y: -y }, length: 0, stiffness: 1 };
+  const [pointA, pointB] = [{ x: 0, y: 0 }, { x: -x, y: -y }];
+  const hinge = { pointA, bodyB: rod, pointB, length: 0, stiffness: 1 };
   Composite.add(engine.world, [rod, Constraint.create(hinge)]);
   const crossings = [];
   let [time, last] = [0, rod.position.x];
@@ -56,7 +56,8 @@ const right = 2 * Math.PI * Math.sqrt((2 / 3) * RATIO);
 console.log(`formula: ${right.toFixed(0)} ms`);
 const found = [[100, 1], [100, 1 / 4], [1, 1 / 4]].map(([length, scale]) => {
   const periods = [[4, 2], [1, 2], [1, 20]].map((settings) => period(length, scale, ...settings));
-  console.log(`length ${length}, ${scale} of its inertia: ${periods.map(Math.round).join(", ")} ms`);
+  const shown = periods.map(Math.round).join(", ");
+  console.log(`length ${length}, ${scale} of its inertia: ${shown} ms`);
   return periods;
 });
 const near = (value, wanted) => Math.abs(value / wanted - 1) < 0.003;
