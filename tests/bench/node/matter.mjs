@@ -11,7 +11,7 @@ const PIXELS = 100;
 
 export const about = {
   name: `matter-js ${version}`,
-  settings: `${ITERATIONS} iterations; head only: own inertia, stiffness 0.4`,
+  settings: `${ITERATIONS} iterations; 0.4 stiff head only`,
   substep: 1 / 60,
 };
 

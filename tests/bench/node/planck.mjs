@@ -1,11 +1,15 @@
-/** planck.js, a port of Box2D 2, with the numbers of iterations that the manual of Box2D 2 names. */
+/** planck.js, a port of Box2D 2, with the numbers of iterations of its manual. */
 import { readFileSync } from "node:fs";
 
 import { Box, DistanceJoint, RevoluteJoint, World } from "planck";
 
 const { version } = JSON.parse(readFileSync("node_modules/planck/package.json", "utf8"));
 
-export const about = { name: `planck ${version}`, settings: "8 and 3 iterations", substep: 1 / 60 };
+export const about = {
+  name: `planck ${version}`,
+  settings: "10 and 8 iterations",
+  substep: 1 / 60,
+};
 
 export class Engine {
   constructor(scene) {
@@ -77,8 +81,8 @@ export class Engine {
   }
 
   step() {
-    const iterations = this.scene.iterations || 8;
-    this.world.step(this.scene.step, iterations, Math.ceil((3 * iterations) / 8));
+    const iterations = this.scene.iterations || 10;
+    this.world.step(this.scene.step, iterations, Math.ceil(0.8 * iterations));
   }
 
   poses() {
