@@ -20,7 +20,7 @@ import shutil
 import subprocess
 import tempfile
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, partial
 from importlib import import_module
 from pathlib import Path
@@ -117,8 +117,8 @@ def exact_poses(drive: str, substep: float) -> tuple[Array, Array]:
     return times, np.concatenate([March().at(part).poses for part in np.array_split(times, 40)])
 
 
-def scene_of(drive: str, substep: float, iterations: int) -> Scene:
-    """What an engine is given for a drive, a length of its steps, s, and iterations in each."""
+def scene_of(drive: str, substep: float, **changes: Any) -> Scene:
+    """What an engine is given for a drive and a length of its steps, s, with `changes`."""
     march = March()
     times, poses = exact_poses(drive, substep)
     states = march.at(times[0])
@@ -132,7 +132,7 @@ def scene_of(drive: str, substep: float, iterations: int) -> Scene:
         anchors = holes + RAIL * normals
     head = poses[:, 0].copy()
     head[:, 2] = np.unwrap(head[:, 2])
-    return Scene(
+    scene = Scene(
         dragon=march.dragon,
         begin=times[0],
         step=substep,
@@ -141,14 +141,14 @@ def scene_of(drive: str, substep: float, iterations: int) -> Scene:
         start=np.stack([poses[0], states.pose_velocities[0]]),
         head=head,
         anchors=anchors,
-        iterations=iterations,
     )
+    return replace(scene, **changes)
 
 
-def play_python(module: str, drive: str, substep: float = 0.0, iterations: int = 0) -> Played:
+def play_python(module: str, drive: str, substep: float = 0.0, **changes: Any) -> Played:
     """Play a drive in an engine with bindings for Python, at its own settings or at others."""
     kind = import_module(f"adapters.{module}").Engine
-    scene = scene_of(drive, substep or kind.substeps[drive], iterations)
+    scene = scene_of(drive, substep or kind.substeps[drive], **changes)
     engine = kind(scene)
     poses = [scene.start[0]]
     reported: list[tuple[int, int, int]] = []
@@ -180,9 +180,9 @@ def about(module: str) -> dict[str, Any]:
     return node(module)
 
 
-def play_javascript(module: str, drive: str, substep: float = 0.0, iterations: int = 0) -> Played:
+def play_javascript(module: str, drive: str, substep: float = 0.0, **changes: Any) -> Played:
     """Play a drive in an engine for JavaScript, in a process of node; as `play_python`."""
-    scene = scene_of(drive, substep or about(module)["substep"], iterations)
+    scene = scene_of(drive, substep or about(module)["substep"], **changes)
     with tempfile.TemporaryDirectory() as folder:
         given, found = Path(folder, "scene"), Path(folder, "poses")
         scene.write(given)
@@ -269,8 +269,8 @@ def players(drive: str) -> list[partial[Played]]:
     return found
 
 
-def compare(drive: str) -> None:
-    """Print the table of a drive."""
+def compare(drive: str, **changes: Any) -> None:
+    """Print the table of a drive, whose scenes have `changes`."""
     contact = pull(March(), until=11.0).first_contact if drive == "head" else None
     time = contact.time if contact else first_contact(March()).time
     assert time is not None
@@ -279,7 +279,7 @@ def compare(drive: str) -> None:
     print(f"| engine | settings | {columns} | times real time, steps | with the driver |")
     print("| --- " * 8 + "|")
     for play in installed:
-        print(row(play(), drive, time), flush=True)
+        print(row(play(**changes), drive, time), flush=True)
 
 
 def head() -> None:
@@ -290,6 +290,11 @@ def head() -> None:
 def rails() -> None:
     """Joints of 1 m keep the rear holes on the path; exact is the march."""
     compare("rails")
+
+
+def drag() -> None:
+    """The rails again, with ground drag on all benches and nothing that makes up for it."""
+    compare("rails", drag=DRAG)
 
 
 def pinned() -> None:
@@ -309,7 +314,7 @@ def speed() -> None:
             continue
         play = play_javascript if module in PACKAGES else play_python
         for rate, iterations in pairs:
-            played = play(module, "rails", 1 / rate, iterations)
+            played = play(module, "rails", 1 / rate, iterations=iterations)
             _, exact = exact_poses("rails", 1 / rate)
             seen = played.times <= contact
             off = errors(played.poses[seen], exact[seen]).max()
@@ -319,7 +324,7 @@ def speed() -> None:
             print(f"| {' | '.join(cells)} |", flush=True)
 
 
-BENCHMARKS = {"head": head, "rails": rails, "pinned": pinned, "speed": speed}
+BENCHMARKS = {"head": head, "rails": rails, "drag": drag, "pinned": pinned, "speed": speed}
 
 if __name__ == "__main__":
     measure.run(BENCHMARKS)

@@ -37,7 +37,7 @@ export class Engine {
     const scene = inPixels(given);
     this.scene = scene;
     // Joints of a stiffness of 1 need four times the inertia.
-    this.stiffness = scene.drag ? 0.4 : 1;
+    this.stiffness = scene.rail || !scene.drag ? 1 : 0.4;
     this.core = Core.create({
       constraintIterations: scene.iterations || ITERATIONS,
       gravity: { x: 0, y: 0 },
@@ -57,7 +57,7 @@ export class Engine {
       });
       // A rectangle comes with four times the moment of inertia that it has, which matters where
       // the motion is not that of the rails.
-      if (scene.drag) Body.setInertia(body, body.inertia / 4);
+      if (this.stiffness < 1) Body.setInertia(body, body.inertia / 4);
       const [u, v, spin] = scene.velocities[index];
       Body.setVelocity(body, { x: u / 60, y: v / 60 });
       Body.setAngularVelocity(body, spin / 60);
