@@ -237,7 +237,8 @@ engines: $(VENV)/engines $(if $(NODE),$(NODE_ENGINES))
 
 findings: ## run the scripts about surprises in the libraries, with the packages that each one names
 	@for script in findings/*.sh; do \
-	  echo "$$script"; PATH="$(abspath $(BIN)):$$PATH" bash "$$script" || failed=1; \
+	  echo "$$script"; PATH="$(abspath $(BIN)):$$PATH" bash "$$script" || \
+	  { echo "$$script failed"; failed=1; }; \
 	done; test -z "$$failed"
 
 clean: ## remove what the targets made, but not the gallery

@@ -1,7 +1,8 @@
 """Physics engines under one interface, for `engines.py`: each module has one engine, as `Engine`.
 
-An engine is built from a `Scene`. Its driver is the same in all of them: each kinematic body gets
-the velocity that brings it to its next place.
+An engine is built from a `Scene`. The driver is the same in all of them: before each step, head and
+anchors are sent to their next places, by their velocities where the engine has kinematic bodies
+with one.
 """
 
 from __future__ import annotations
