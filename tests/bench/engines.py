@@ -271,15 +271,16 @@ def players(drive: str) -> list[partial[Played]]:
 
 def compare(drive: str, **changes: Any) -> None:
     """Print the table of a drive, whose scenes have `changes`."""
-    contact = pull(March(), until=11.0).first_contact if drive == "head" else None
-    time = contact.time if contact else first_contact(March()).time
-    assert time is not None
+    pulled = pull(March(), until=11.0).first_contact if drive == "head" else None
+    contact = pulled.time if pulled else first_contact(March()).time
+    assert contact is not None
+    print(f"The exact first contact is at {contact:.6f} s.\n")
     installed = players(drive)
     columns = "widest hinge, mm | position error, mm | contact reported, s | contact by poses, s"
     print(f"| engine | settings | {columns} | times real time, steps | with the driver |")
     print("| --- " * 8 + "|")
     for play in installed:
-        print(row(play(**changes), drive, time), flush=True)
+        print(row(play(**changes), drive, contact), flush=True)
 
 
 def head() -> None:
