@@ -13,7 +13,7 @@ MAKEFLAGS += $(if $(filter output-sync,$(.FEATURES)),--output-sync=line)
 
 .DEFAULT_GOAL := help
 .PHONY: help render figures map screenshot report demos docs
-.PHONY: test test-all test-versions fuzz lint bench clean FORCE
+.PHONY: test test-all test-versions fuzz lint bench engines findings clean FORCE
 # A film or a run that was interrupted is not a film or a run.
 .DELETE_ON_ERROR:
 
@@ -220,8 +220,29 @@ bench: $(VENV)/tools ## measure the figures that README and the documentation qu
 	$(BIN)/python tests/bench/bench.py
 	$(BIN)/python tests/bench/order.py
 
+# The engines of the benchmark, of exact versions; on a machine without node, those for JavaScript
+# are left out.
+$(VENV)/engines: $(VENV)/extras
+	@$(call install_groups,engines)
+
+NODE_ENGINES := tests/bench/node/node_modules/.installed
+
+$(NODE_ENGINES): tests/bench/node/package.json
+	@npm install --prefix $(<D) --no-audit --no-fund --loglevel error > /dev/null && touch $@
+
+engines: ## compare physics engines by the dragon, and film four of them: renders/engines.gif
+engines: $(VENV)/engines $(if $(NODE),$(NODE_ENGINES))
+	$(BIN)/python tests/bench/engines.py
+	$(BIN)/python tests/bench/film_engines.py renders/engines.gif
+
+findings: ## run the scripts about surprises in the libraries, with the packages that each one names
+	@for script in findings/*.sh; do \
+	  echo "$$script"; PATH="$(abspath $(BIN)):$$PATH" bash "$$script" || \
+	  { echo "$$script failed"; failed=1; }; \
+	done; test -z "$$failed"
+
 clean: ## remove what the targets made, but not the gallery
 	rm -rf $(VENV) .venv-* renders/*.npz renders/*.html renders/docs renders/.commands renders/.new
-	rm -rf tests/node/node_modules
+	rm -rf tests/node/node_modules tests/bench/node/node_modules
 	rm -rf .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -7,6 +7,7 @@ from importlib.util import find_spec
 
 import bench
 import bench_live
+import engines
 import in_node
 import order
 import pytest
@@ -17,13 +18,14 @@ NAMES = {
     "bench.py": bench.BENCHMARKS,
     "order.py": order.BENCHMARKS,
     "bench_live.py": bench_live.BENCHMARKS,
+    "engines.py": engines.BENCHMARKS,
 }
 
 
 @pytest.mark.thorough
 @pytest.mark.parametrize(
     ("script", "name"),
-    [(script, name) for script in ("bench.py", "order.py") for name in NAMES[script]]
+    [(script, name) for script in ("bench.py", "order.py", "engines.py") for name in NAMES[script]]
     + [pytest.param("bench_live.py", name, marks=needs_browser) for name in bench_live.BENCHMARKS],
 )
 def test_benchmark_runs_at_a_small_size(script, name):
