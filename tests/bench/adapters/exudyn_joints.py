@@ -45,7 +45,7 @@ class Engine:
         self.given.timeIntegration.endTime = scene.step * scene.steps
         self.given.timeIntegration.numberOfSteps = scene.steps
         self.given.timeIntegration.verboseMode = 0
-        self.given.solutionSettings.writeSolutionToFile = False
+        self.given.solution.file.write = False
         self.solver = exudyn.MainSolverImplicitSecondOrder()
         self.solver.InitializeSolver(self.system, self.given)
         self.solver.it.currentStepSize = scene.step
