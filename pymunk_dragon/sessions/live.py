@@ -104,6 +104,10 @@ class Live(AbstractContextManager["Live"]):
         return {"text/html": f'<iframe src="{escape(self.address)}" {about}></iframe>'}
 
 
+# Makes the handle of a session; a published page has a handle of its own.
+handle: Callable[..., Live] = Live
+
+
 def live(
     what: March | pymunk.Space | Callable[..., pymunk.Space] | str | None = None,
     *,
@@ -202,7 +206,7 @@ def live(
     if what is None or isinstance(what, March | str):
         _check_unchanged(settings)
     session = Session(source_of(what, settings), running=not paused)
-    return Live(session, browser=browser, host=host, port=port, allow_hosts=allow_hosts)
+    return handle(session, browser=browser, host=host, port=port, allow_hosts=allow_hosts)
 
 
 def _check_settings(settings: PlaySettings) -> None:
