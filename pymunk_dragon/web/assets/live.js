@@ -13,8 +13,6 @@ const NO_MODEL = /** @type {any} */ ({
   widths: [1],
   narrowest: 1,
 });
-// Scene for a frame on the page of a lesson.
-const STAGE = new URLSearchParams(location.hash.slice(1)).get("stage");
 
 // The first is the lowest.
 const LIVE_LAYERS = [
@@ -71,6 +69,7 @@ class Live extends Stage {
       received: (message) => this.receive(message),
       framed: (buffer) => this.receiveFrame(buffer),
       changed: (open) => this.showConnection(open),
+      loaded: (loading) => showLoading(this, loading),
     });
   }
 
@@ -115,7 +114,11 @@ class Live extends Stage {
   setScene(scene) {
     this.showBuilding(false);
     // A stage begins anew when it is opened.
-    if (!this.scene && STAGE && scene.role === "control") this.send({ do: "scene", name: STAGE });
+    const first = !this.scene;
+    nameScene(scene);
+    if (first && STAGE && !SITE && scene.role === "control") {
+      this.send({ do: "scene", name: STAGE });
+    }
     const same = this.scene?.name === scene.name;
     const anew = this.scene?.generation !== scene.generation;
     this.scene = scene;
@@ -138,6 +141,8 @@ class Live extends Stage {
       setText("announcement", translated(scene.title));
     }
     showScene(this);
+    element("begin").hidden = true;
+    if (first && SITE) applyLink(this);
     this.requestDraw();
   }
 
@@ -149,6 +154,7 @@ class Live extends Stage {
     this.cachedMoment = null;
     this.sliders.setValues(state.values);
     showState(this);
+    if (SITE && !STAGE) rememberAddress(stateLink(this));
     this.requestDraw();
   }
 
@@ -288,7 +294,7 @@ class Live extends Stage {
     setLanguage(name);
     const address =
       name === DEFAULT_LANGUAGE ? location.pathname + location.search : `#lang=${name}`;
-    rememberAddress(address);
+    if (!SITE) rememberAddress(address);
     if (!this.scene) return;
     this.showEvents();
     showScene(this);
