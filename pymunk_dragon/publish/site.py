@@ -163,7 +163,7 @@ def _write_engine(
         "packages": PACKAGES if local is None else [],
         "wheels": [name for name in contents if name.startswith("wheels/")],
         "files": [] if program is None else list(program.files),
-        "program": program and program.name,
+        "program": "" if program is None else program.name,
         "title": "",
         "text": "",
         "lessons": "",

@@ -8,6 +8,7 @@ import sys
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 from pymunk_dragon.errors import DragonError
@@ -52,10 +53,10 @@ class _Handle(Live):
         """Do nothing: the session goes on when the program has ended."""
 
 
-def begin(post: _Post, program: str | None, scene: str | None) -> PostedClient | None:
-    """Begin the session of a program or of a scene; post the error if that fails."""
+def begin(post: _Post, program: str, scene: str) -> PostedClient | None:
+    """Begin the session of a program or of a named scene; post the error if that fails."""
     try:
-        session = _scene(scene or "dragon") if program is None else _played(program)
+        session = _played(program) if program else _scene(scene or "dragon")
     except Exception as error:
         post({"failure": described(error)}, None)
         return None
@@ -67,6 +68,9 @@ def _scene(name: str) -> Session:
     if name not in SCENES:
         from pymunk_dragon.lessons import LESSONS
 
+        # The programs of lessons import it for their pictures, which the page does not draw.
+        for library in ("matplotlib", "matplotlib.pyplot"):
+            sys.modules.setdefault(library, ModuleType(library))
         for lesson in LESSONS.values():
             if lesson.builds_scene:
                 add(**lesson.scene())

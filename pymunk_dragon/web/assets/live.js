@@ -47,6 +47,8 @@ class Live extends Stage {
     this.newest = NOTHING_YET;
     /** @type {LiveMoment | null} */
     this.cachedMoment = null;
+    /** @type {Parameter[]} */
+    this.first = []; // those of the scene as it began
     this.scales = new Scales();
     this.rateKind = ""; // what the rate was measured of
     /** @type { { clock: number, time: number }[]} */
@@ -114,9 +116,9 @@ class Live extends Stage {
   setScene(scene) {
     this.showBuilding(false);
     // A stage begins anew when it is opened.
-    const first = !this.scene;
+    const isFirst = !this.scene;
     nameScene(scene);
-    if (first && STAGE && !SITE && scene.role === "control") {
+    if (isFirst && STAGE && !SITE && scene.role === "control") {
       this.send({ do: "scene", name: STAGE });
     }
     const same = this.scene?.name === scene.name;
@@ -133,6 +135,7 @@ class Live extends Stage {
     if (anew) this.events = [];
     this.showEvents();
     if (!same) {
+      this.first = scene.parameters;
       this.setFollow("field");
       const own = STAGE && !scene.dragon ? ["forces"] : []; // in a lesson on forces
       for (const name of LIVE_SWITCHES) {
@@ -142,7 +145,7 @@ class Live extends Stage {
     }
     showScene(this);
     element("begin").hidden = true;
-    if (first && SITE) applyLink(this);
+    if (isFirst && SITE) applyLink(this);
     this.requestDraw();
   }
 
@@ -154,7 +157,6 @@ class Live extends Stage {
     this.cachedMoment = null;
     this.sliders.setValues(state.values);
     showState(this);
-    if (SITE && !STAGE) rememberAddress(stateLink(this));
     this.requestDraw();
   }
 

@@ -1,6 +1,6 @@
 // A published page: its start, how far the engine is or why it cannot run, and links with a state.
 
-const LOOK_EVERY = 1000; // ms: whether the worker answers
+const LOOK_EVERY = 1000; // ms: whether the worker answers, and what the link has to be
 const STATE_DIGITS = 3; // decimals of the time in a link
 const SET = "set."; // before the name of a slider in a link
 // Scene for a frame on the page of a lesson.
@@ -33,6 +33,7 @@ function connectSite(live) {
   });
   setInterval(() => {
     element("stuck").hidden = !live.connection.stuck;
+    if (!STAGE && live.state) rememberAddress(stateLink(live));
   }, LOOK_EVERY);
   const why = obstacle();
   if (why) showObstacle(why);
@@ -45,7 +46,7 @@ function showObstacle(why) {
   setText("begin-text", why);
   element("begin-play").hidden = obstacle() !== "";
   element("loading").hidden = true;
-  element("begin-alone").hidden = self.origin !== "null";
+  element("begin-alone").hidden = self.origin !== "null" || location.protocol === "file:";
   element("begin-alone").href = location.href;
 }
 
@@ -93,9 +94,9 @@ function nameScene(scene) {
 
 // The part of the address after "#" for the scene as it is now.
 /** @type {(live: Live) => string} */
-function stateLink({ scene, state, frame }) {
+function stateLink({ scene, state, frame, first }) {
   const query = new URLSearchParams({ scene: scene.name });
-  for (const { name, value } of scene.parameters) {
+  for (const { name, value } of first) {
     const now = state.values[name];
     if (now !== value) query.set(SET + name, String(now));
   }

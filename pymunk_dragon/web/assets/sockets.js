@@ -103,7 +103,7 @@ class WorkerSocket extends PostedSocket {
       this.close();
     };
     const link = new URLSearchParams(location.hash.slice(1));
-    this.post({ ...site, scene: link.get("stage") ?? link.get("scene") });
+    this.post({ ...site, scene: link.get("stage") ?? link.get("scene") ?? "" });
   }
 
   /** @type {(content: unknown) => void} */
