@@ -13,10 +13,10 @@ from typing import Any, NoReturn
 from pymunk_dragon._checks import instance, instances
 from pymunk_dragon._files import read_text
 from pymunk_dragon.drawing.debug_draw import still
-from pymunk_dragon.errors import DragonError, FileFormatError, ParameterError
+from pymunk_dragon.errors import FileFormatError, ParameterError
 from pymunk_dragon.sessions.live import Live
 from pymunk_dragon.sessions.scene import Scene
-from pymunk_dragon.sessions.session import Session
+from pymunk_dragon.sessions.session import Session, described
 
 # Modules of Python that Pyodide 314.0 does not have.
 _MISSING = """
@@ -56,7 +56,7 @@ def read_program(path: str | Path, include: Sequence[str | Path] = ()) -> Progra
             _check_imports(file, own)
     names = {getattr(node, "id", getattr(node, "attr", "")) for node in ast.walk(tree)}
     if "live" not in names:
-        raise DragonError(f"{path} has no call of live, which shows its space on a page")
+        raise FileFormatError(path, "has no call of live, which shows a space on a page")
 
     try:
         contents = {name: file.read_bytes() for name, file in files.items()}
@@ -115,16 +115,18 @@ def _picture(path: Path) -> bytes:
     except _Shown as shown:
         scene = shown.session.scene
     except (Exception, SystemExit) as error:
-        raise DragonError(f"{path} fails: {type(error).__name__}: {error}") from error
+        failure = described(error)
+        reason = f"{failure.get('place', 'fails')}: {failure['text']}"
+        raise FileFormatError(path, reason) from error
     else:
-        raise DragonError(f"{path} ends without a call of live")
+        raise FileFormatError(path, "ends without a call of live")
     finally:
         Live.made_by = None
         sys.path[:] = before
 
     if scene.manual:
-        rule = "makes its steps itself (step=None), which a page cannot do"
-        raise DragonError(f"{path} {rule}: give live a step")
+        rule = "makes its steps itself (step=None), which a page cannot do: give live a step"
+        raise FileFormatError(path, rule)
     return picture_of(scene)
 
 

@@ -84,8 +84,8 @@ def _write_own(path: Path) -> None:
     contents = {f"{about}/METADATA": metadata, f"{about}/WHEEL": _WHEEL}
     record = ""
     with ZipFile(path, "w", ZIP_DEFLATED) as archive:
-        for file in sorted(package.rglob("*.*")):
-            if "__pycache__" not in file.parts:
+        for file in sorted(package.rglob("*")):
+            if file.is_file() and "__pycache__" not in file.parts:
                 name = file.relative_to(package.parent).as_posix()
                 archive.write(file, name)
                 record += f"{name},,\n"
