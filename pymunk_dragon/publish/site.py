@@ -9,7 +9,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from pymunk_dragon._checks import instance
+from pymunk_dragon._checks import function, instance
 from pymunk_dragon._files import reason
 from pymunk_dragon._language import language
 from pymunk_dragon.errors import OutputError, ParameterError
@@ -64,6 +64,7 @@ def publish_site(
     --------
     >>> publish_site("site")  # doctest: +SKIP
     """
+    function("progress", progress)
     with _new_folder(folder) as draft:
         site = _write_engine(draft, runtime, {}) | {"lessons": "index.html"}
         scene = named_scene("dragon").build({})
