@@ -1,0 +1,136 @@
+"""The program of a user's that is published: what it needs, and the first picture of its scene."""
+
+from __future__ import annotations
+
+import ast
+import runpy
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NoReturn
+
+from pymunk_dragon._checks import instance, instances
+from pymunk_dragon._files import read_text
+from pymunk_dragon.drawing.debug_draw import still
+from pymunk_dragon.errors import FileFormatError, ParameterError
+from pymunk_dragon.sessions.live import Live
+from pymunk_dragon.sessions.scene import Scene
+from pymunk_dragon.sessions.session import Session, described
+
+# Modules of Python that Pyodide 314.0 does not have.
+_MISSING = """
+    curses dbm ensurepip grp idlelib msvcrt nt pwd readline resource syslog tkinter turtle
+    turtledemo venv winreg winsound
+"""
+# Libraries that the page has.
+_LIBRARIES = {"PIL", "numpy", "pymunk", "pymunk_dragon"}
+# Modules of Pymunk that need libraries which the page does not have.
+_OF_WINDOWS = ("pymunk.pygame_util", "pymunk.pyglet_util", "pymunk.matplotlib_util")
+
+
+@dataclass(frozen=True)
+class Program:
+    """A program with its files by their paths on the page, and what its page says and shows."""
+
+    name: str
+    files: dict[str, bytes]
+    title: str
+    text: str
+    picture: bytes
+
+
+def read_program(path: str | Path, include: Sequence[str | Path] = ()) -> Program:
+    """The program in a file, which is run until it calls `live`; errors name what it lacks."""
+    path = Path(instance("program", path, str | Path, "a path"))
+    files = {path.name: path}
+    for each in instances("include", include, str | Path, "a sequence of paths"):
+        file = Path(each)
+        inside = file.is_relative_to(path.parent)
+        files[file.relative_to(path.parent).as_posix() if inside else file.name] = file
+
+    own = {name.partition("/")[0].removesuffix(".py") for name in files}
+    tree = _parsed(path)
+    for file in files.values():
+        if file.suffix == ".py":
+            _check_imports(file, own)
+    names = {getattr(node, "id", getattr(node, "attr", "")) for node in ast.walk(tree)}
+    if "live" not in names:
+        raise FileFormatError(path, "has no call of live, which shows a space on a page")
+
+    try:
+        contents = {name: file.read_bytes() for name, file in files.items()}
+    except OSError as error:
+        raise ParameterError("include", error.filename, f"a file ({error.strerror})") from error
+    title, _, text = (ast.get_docstring(tree) or path.stem).partition("\n")
+    text = " ".join(text.split()) or "A space that Pymunk plays in this page."
+    return Program(path.name, contents, title, text, _picture(path))
+
+
+def _parsed(path: Path) -> ast.Module:
+    """The syntax tree of a program."""
+    try:
+        return ast.parse(read_text(path, "program"), str(path))
+    except (SyntaxError, ValueError) as error:
+        line = getattr(error, "lineno", None)
+        raise FileFormatError(path, f"line {line}: {getattr(error, 'msg', error)}") from error
+
+
+def _imports(tree: ast.Module) -> Iterator[tuple[int, str]]:
+    """Lines and names of the modules that a program imports; names from modules may be modules."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import | ast.ImportFrom) and not getattr(node, "level", 0):
+            module = getattr(node, "module", None)
+            for each in node.names:
+                yield node.lineno, f"{module}.{each.name}" if module else each.name
+
+
+def _check_imports(path: Path, own: set[str]) -> None:
+    """Refuse imports of modules that the page will not have."""
+    known = own | _LIBRARIES | (sys.stdlib_module_names - set(_MISSING.split()))
+    for line, name in _imports(_parsed(path)):
+        if name.partition(".")[0] not in known or name.startswith(_OF_WINDOWS):
+            reason = f"line {line} imports {name}, which the page does not have"
+            raise FileFormatError(path, reason)
+
+
+class _Shown(BaseException):
+    """The program has called `live`, and is not run any further."""
+
+    def __init__(self, session: Session) -> None:
+        self.session = session
+
+
+def _picture(path: Path) -> bytes:
+    """Picture of the first state of the scene of a program, which is run until it calls `live`."""
+
+    def end(session: Session, **options: Any) -> NoReturn:
+        raise _Shown(session)
+
+    before = sys.path[:]
+    Live.made_by = end
+    try:
+        sys.path.insert(0, str(path.parent))
+        runpy.run_path(str(path), run_name="__main__")
+    except _Shown as shown:
+        scene = shown.session.scene
+    except (Exception, SystemExit) as error:
+        failure = described(error)
+        reason = f"{failure.get('place', 'fails')}: {failure['text']}"
+        raise FileFormatError(path, reason) from error
+    else:
+        raise FileFormatError(path, "ends without a call of live")
+    finally:
+        Live.made_by = None
+        sys.path[:] = before
+
+    if scene.manual:
+        rule = "makes its steps itself (step=None), which a page cannot do: give live a step"
+        raise FileFormatError(path, rule)
+    return picture_of(scene)
+
+
+def picture_of(scene: Scene) -> bytes:
+    """Picture of the present state of a scene, as a PNG."""
+    y_down = scene.settings.y_down
+    return still(scene.space, scene.field, y_down=y_down, flags=scene.drawn)
