@@ -69,11 +69,11 @@ def read_program(path: str | Path, include: Sequence[str | Path] = ()) -> Progra
 
 def _parsed(path: Path) -> ast.Module:
     """The syntax tree of a program."""
+    source = read_text(path, "program")
     try:
-        return ast.parse(read_text(path, "program"), str(path))
+        return ast.parse(source, str(path))
     except (SyntaxError, ValueError) as error:
-        line = getattr(error, "lineno", None)
-        raise FileFormatError(path, f"line {line}: {getattr(error, 'msg', error)}") from error
+        raise FileFormatError(path, f"no program of Python: {error}") from error
 
 
 def _imports(tree: ast.Module) -> Iterator[tuple[int, str]]:
