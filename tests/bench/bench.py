@@ -508,8 +508,36 @@ def pull_speed() -> None:
     compare(works, sized(7, 1), time.process_time)
 
 
+def pulled_engine() -> None:
+    """Time of the pulled engine by order, error of the contact and the holes (`physics`)."""
+    march = March(Dragon(benches=sized(223, 5)))
+    until = sized(11.2, 0.2)
+    exact = pull(march, until=until)
+    cases: dict[str, dict[str, Any]] = {
+        "1 ms, order 1": {"order": 1, "substep": 0.001, "iterations": 10},
+        "10 ms, order 2": {"substep": 0.01, "iterations": 10},
+        "20 ms, order 1": {"order": 1, "substep": 0.02, "iterations": 10},
+        "default": {},
+    }
+    runs = {
+        name: partial(simulate, march, guide="none", until=until, **cases[name]) for name in cases
+    }
+    compare(runs, sized(5, 1), time.process_time)
+    for name, play in runs.items():
+        found = play()
+        late = np.nan
+        if found.first_contact and exact.first_contact:
+            late = found.first_contact.time - exact.first_contact.time
+        both = np.flatnonzero(np.isin(found.times.round(6), exact.times.round(6)))
+        at = np.searchsorted(exact.times.round(6), found.times[both].round(6))
+        holes = march.dragon.holes
+        apart = np.subtract(holes(found.poses[both]), holes(exact.poses[at]))
+        worst = np.linalg.norm(apart, axis=-1).max()
+        print(f"| {name} | {1e3 * late:+.3f} ms | {1e3 * worst:.3f} mm |", flush=True)
+
+
 OF_MOTION = (answers, march, contact, time_of_impact, engine, drift, pile_up)
-OF_DYNAMICS = (errors_of_tolerances, pulled, pull_speed)
+OF_DYNAMICS = (errors_of_tolerances, pulled, pull_speed, pulled_engine)
 OF_PICTURES_AND_SWEEPS = (film, debug_draw, sweep_overhead, sweep_efficiency, sweep_map)
 BENCHMARKS = {
     each.__name__.replace("_", "-"): each

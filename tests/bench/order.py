@@ -188,7 +188,7 @@ PULLED: dict[str, tuple[March, float, dict[str, Any]]] = {
 
 # What happens at the begin of which second of a run.
 Changes = Mapping[int, Callable[[World], object]]
-LET_GO: Changes = {1: lambda world: world.release(20)}
+LET_GO: Changes = {1: lambda world: world.release(5)}
 BACK: Changes = {**LET_GO, 4: lambda world: world.hold()}
 
 # Guides, durations, s, drag, and changes of runs of sixty benches whose contacts are resolved.
@@ -199,7 +199,7 @@ RESOLVED: dict[str, tuple[str, int, float, Changes]] = {
     "let go": ("rails", 9, 11.5, LET_GO),
     "let go, all": ("rails", 9, 11.5, {1: lambda world: world.release(1)}),
     "let go and back": ("rails", 9, 11.5, BACK),
-    "let go again": ("rails", 11, 11.5, {**BACK, 9: lambda world: world.release(20)}),
+    "let go again": ("rails", 11, 11.5, {**BACK, 9: lambda world: world.release(5)}),
     "joint cut": ("none", 9, 11.5, {2: lambda world: world.cut(20)}),
     "contacts": ("none", 13, 11.5, {}),
     "contacts, less drag": ("none", 13, 1.0, {}),
