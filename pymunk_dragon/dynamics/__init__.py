@@ -26,7 +26,7 @@ from one banded system of equations, in a time that grows with the number of ben
 - The motion of the head jumps where a handle passes a joint of two arcs and where the table of
   speeds has a corner. These times are known before, and the integration is cut there. A curve of
   your own names its jumps in `curvature_jumps`; those that it does not name cost time, and some
-  exactness.
+  exactness. So does each entry of a table of speeds: 1,000 of them take 3 s in 11 s of march.
 - The first contact is searched by the rates at which pairs of benches close at both ends of each
   step. Its time is confirmed by a step that ends there, because the interpolation within a step is
   less exact than its ends. The search is not certified, unlike `first_contact`.

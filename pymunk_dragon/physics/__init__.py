@@ -78,9 +78,9 @@ of the exact dynamics.
 
 In forty other runs order 2 is nearly always more exact than order 1
 (`python tests/bench/order.py scenarios`): turns, speeds that change, unequal benches, 1,000
-benches, ice. Where a force changes within a few steps, or in long
-chains, ten iterations can leave the same error in both. In a step in which contacts or a hand push,
-the forces of joints are not known, and the next step is one of order 1.
+benches, ice. Where a force changes within a few steps, or in long chains, ten iterations can leave
+the same error in both. In a step in which contacts or a hand push, the forces of joints are not
+known, and the next step is one of order 1.
 
 Forces in the joints are those that act (`World.joint_forces`): on rails within 0.01 % of the
 largest force; without a guide within 0.95 % (0.1 s after the start; 0.06 % at 10.8 s). That force
