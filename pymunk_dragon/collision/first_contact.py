@@ -331,15 +331,24 @@ class _Search:
             pairs = pairs[left]
             sampled = sampled[left]
             if rows.size:
-                # Intervals with pairs that are left are divided, and each of these pairs is tested
-                # in all parts.
-                parts = min(max(_PAIRS // rows.size, _FEWEST_PARTS), _MOST_PARTS)
-                chosen, rows = np.unique(rows, return_inverse=True)
-                intervals = intervals.divided(self._march, chosen, parts, int(pairs.max()) + 2)
-                bounds = MotionBounds(self._march, intervals)
-                rows = (parts * rows[:, None] + np.arange(parts)).ravel()
-                pairs = np.repeat(pairs, parts, axis=0)
-                sampled = np.repeat(sampled, parts)
+                intervals, bounds, kept = self._divided(intervals, rows, pairs, sampled)
+                rows, pairs, sampled = kept
+
+    def _divided(
+        self, intervals: Intervals, rows: Indices, pairs: Indices, sampled: Flags
+    ) -> tuple[Intervals, MotionBounds, tuple[Indices, Indices, Flags]]:
+        """Parts of the intervals `rows` (P,) in which `pairs` (P, 2) are left, and their bounds.
+
+        Each of these pairs is tested in all parts, unless a circle about the origin separates it.
+        """
+        parts = min(max(_PAIRS // rows.size, _FEWEST_PARTS), _MOST_PARTS)
+        chosen, rows = np.unique(rows, return_inverse=True)
+        intervals = intervals.divided(self._march, chosen, parts, int(pairs.max()) + 2)
+        bounds = MotionBounds(self._march, intervals)
+        rows = (parts * rows[:, None] + np.arange(parts)).ravel()
+        pairs = np.repeat(pairs, parts, axis=0)
+        left = bounds.may_meet(rows, pairs, self._near)
+        return intervals, bounds, (rows[left], pairs[left], np.repeat(sampled, parts)[left])
 
     def _wide(self, bounds: MotionBounds, rows: Indices, pairs: Indices, normals: Array) -> Flags:
         """Whether gaps (P,) stay wider than a near miss.
