@@ -92,7 +92,17 @@ class Intervals(NamedTuple):
 
     @classmethod
     def between(cls, march: March, times: Array) -> Intervals:
-        """Intervals between `times`, up to the first one at which a handle has no coordinate."""
+        """Intervals between `times`, up to the first one at which a handle has no coordinate.
+
+        The march is at 1 m/s.
+        """
+        states = 2 * times.size * march.dragon.handles
+        compute = partial(cls._between, march, times)
+        return march.continuation.keep(times.tobytes(), states, compute)
+
+    @classmethod
+    def _between(cls, march: March, times: Array) -> Intervals:
+        """The same, computed."""
         all_times = np.empty(2 * times.size - 1)
         all_times[::2] = times
         all_times[1::2] = (times[:-1] + times[1:]) / 2

@@ -23,6 +23,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import astuple, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -205,7 +206,8 @@ class _Search:
             if last < times[-1] and self._hit == np.inf:
                 # The chain loses its state in the interval after `last`, which is cleared up to the
                 # last state.
-                end = _last_reachable(march, last, float(times[times > last][0]))
+                ends = last, float(times[times > last][0])
+                end = march.continuation.keep(ends, 1, partial(_last_reachable, march, *ends))
                 if end > last:
                     last = self._clear(np.array([last, end]))
             if self._hit < np.inf:
@@ -247,9 +249,15 @@ class _Search:
                 half = max((count - done) // 2, _FEWEST_INTERVALS)
                 batch = min(half, _MOST_INTERVALS, count - done)
                 shares = np.arange(done, done + batch + 1) / count
-                done += batch
                 # Exact at both ends.
-                yield (1 - shares) * begin + shares * last
+                times = (1 - shares) * begin + shares * last
+                # The continuation is not followed before all earlier intervals are cleared.
+                direct = self._march.continuation.is_direct(self._march.head_start + times)
+                leading = int(direct[1:].argmin())
+                if leading:
+                    times = times[: leading + 1]
+                done += times.size - 1
+                yield times
 
     def _clear(self, times: Array) -> float:
         """Clear the intervals between `times`, up to the last time at which the chain has a state.

@@ -29,8 +29,9 @@ are followed along the chain as well.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Hashable, Iterable
 from functools import cached_property
+from typing import Any, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,6 +46,8 @@ from pymunk_dragon.model.chain import (
     rear_handle,
 )
 from pymunk_dragon.model.curves.base import Curve
+
+T = TypeVar("T")
 
 # Share of a spacing: the grid on which the curvature is checked.
 _GRID = 0.25
@@ -82,6 +85,9 @@ class Continuation:
         self._curve = curve
         self._head = head
         self._spacings = spacings
+        # States of handles for which `keep` has room: without it, nothing is kept.
+        self.room = 0
+        self._kept: dict[Hashable, Any] = {}
 
     @cached_property
     def start(self) -> Array:
@@ -92,9 +98,7 @@ class Continuation:
     def motion(self, heads: Array, handles: int) -> ChainMotion:
         """Motion of the foremost handles for heads (T,), m; nan where no motion leads."""
         spacings = self._spacings[: handles - 1]
-        lows = np.minimum(heads, self._head)
-        highs = np.maximum(heads, self._head)
-        direct = self._gentle(lows, highs, spacings)
+        direct = self.is_direct(heads, handles)
         if direct.all():
             return chains(self._curve, heads, spacings)
 
@@ -102,6 +106,25 @@ class Continuation:
         handles_s[direct] = self._curve.chain(heads[direct], spacings)
         handles_s[~direct] = self._followed(heads[~direct], handles)
         return chain_motion(self._curve, handles_s, spacings)
+
+    def is_direct(self, heads: Array, handles: int | None = None) -> Flags:
+        """Whether (T,) `Curve.chain` has the foremost handles for heads (T,), m."""
+        lows = np.minimum(heads, self._head)
+        highs = np.maximum(heads, self._head)
+        return self._gentle(lows, highs, self._spacings[: handles and handles - 1])
+
+    def keep(self, key: Hashable, states: int, compute: Callable[[], T]) -> T:
+        """The result of `compute`, which the key and this object determine.
+
+        It is kept for later calls while `room`, a number of handles' states, lasts.
+        """
+        if key in self._kept:
+            return cast(T, self._kept[key])
+        found = compute()
+        if states <= self.room:
+            self.room -= states
+            self._kept[key] = found
+        return found
 
     def ranges(self, first: Array, last: Array) -> tuple[Array, Array]:
         """Lowest and highest coordinates (T, H) of handles in motion between two states (T, H)."""

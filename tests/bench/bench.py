@@ -12,6 +12,7 @@ import tempfile
 import time
 import warnings
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from functools import partial, reduce
 from pathlib import Path
 from typing import Any
@@ -462,8 +463,28 @@ def sweep_map() -> None:
     print(f"{found.points} points: {found.seconds / 60:.1f} minutes, {found.failed} failed")
 
 
+def sweep_points() -> None:
+    """Processor time of a point of two maps on one thread, ms (`sweeps`)."""
+    maps: dict[str, Any] = {
+        "pitch x width": {"width": np.linspace(0.2, 0.4, sized(50, 1)).tolist()},
+        "pitch x head_spacing": {"head_spacing": np.linspace(2.2, 3.4, sized(5, 1)).tolist()},
+    }
+    for name, other in maps.items():
+        axes = {"pitch": np.random.default_rng(5).uniform(0.4, 0.8, sized(5, 1)).tolist()} | other
+        begin = time.process_time()
+        found = sweep(None, axes, executor=ThreadPoolExecutor(1))
+        print(f"{name}: {1e3 * (time.process_time() - begin) / found.points:.0f} ms a point")
+
+
 OF_MOTION = (answers, march, contact, time_of_impact, engine, drift, pile_up)
-OF_PICTURES_AND_SWEEPS = (film, debug_draw, sweep_overhead, sweep_efficiency, sweep_map)
+OF_PICTURES_AND_SWEEPS = (
+    film,
+    debug_draw,
+    sweep_overhead,
+    sweep_efficiency,
+    sweep_map,
+    sweep_points,
+)
 BENCHMARKS = {
     each.__name__.replace("_", "-"): each for each in (*OF_MOTION, *OF_PICTURES_AND_SWEEPS)
 }
