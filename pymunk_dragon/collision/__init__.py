@@ -11,7 +11,7 @@ these numbers):
 
 | method | first contact, s | samples | pairs of benches |
 | --- | --- | --- | --- |
-| `exact` | 412.473837682 | 2999 | 6046 |
+| `exact` | 412.473837682 | 3054 | 6109 |
 | `grid` | 412.473837852 | 434 | 224489 |
 | `engine` | 412.473849741 | 20624 | - |
 

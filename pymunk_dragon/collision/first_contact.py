@@ -69,7 +69,7 @@ _MOST_INTERVALS = 128
 # to test as this, because NumPy's overhead per call dominates with fewer.
 _PAIRS = 200
 # Fewest and most parts of an interval.
-_FEWEST_PARTS = 2
+_FEWEST_PARTS = 3
 _MOST_PARTS = 256
 # Points per pass in the search for the last time at which the chain has a state.
 _LAST_POINTS = 33
