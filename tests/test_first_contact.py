@@ -345,6 +345,9 @@ def test_benches_stay_within_their_bounds(march, share, exponent):
     rows, pairs = motion.candidates(0.0, np.full(march.dragon.handles, np.inf))
     apart, all_pairs = gaps(march, times)
     columns = [all_pairs.tolist().index(pair) for pair in pairs.tolist()]
+    for near in (-0.2, 0.0, 0.2):
+        separated = ~motion.may_meet(np.zeros(len(all_pairs), dtype=int), all_pairs, near)
+        assert np.all(apart[:, separated].min(initial=np.inf) > near)
     assert np.all(np.delete(apart, columns, axis=1) > 0)
     found = motion.separations(rows, pairs)
     open_ = found.distance > 0

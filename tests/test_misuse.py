@@ -89,6 +89,7 @@ def test_curve_of_a_users_own_works_and_is_checked_when_its_author_wants_it():
         *(own(LogarithmicSpiral, begin_s=begin) for begin in (0.5, 2.0)),
     ]
     wrong += [of(name, np.nan_to_num) for name in METHODS[:3]]
+    wrong += [own(LogarithmicSpiral, normal_offset=value) for value in (1.0, None, "far")]
     for curve in wrong:
         assert "Mine" in refusal(check_curve, curve).name
     # A class that changes the points of a curve of the package inherits what does not fit them.

@@ -53,6 +53,21 @@ def test_contact_time_is_that_of_first_contact():
     assert len(set(found.column("status"))) > 1
 
 
+@pytest.mark.parametrize("count", [8, pytest.param(400, marks=pytest.mark.thorough)])
+def test_points_of_equal_motion_are_those_of_single_searches_to_the_bit(count):
+    # A long enough dragon meets the centre, itself, or both.
+    random = np.random.default_rng(count)
+    dragon = {"benches": 25, "turns": 6} if count == 8 else {"benches": 223, "turns": 16}
+    axes = {
+        "pitch": random.uniform(0.45, 0.8, count // 4).tolist(),
+        "width": random.uniform(0.2, 0.4, 4).tolist(),
+    }
+    for values in sweep(dragon, axes, executor=ThreadPoolExecutor(1)).rows():
+        at = dict(zip(axes, values, strict=False))
+        single = contact_time(Scenario(**dragon, **at).march())
+        assert values[2:-1] == list(single.values()), at
+
+
 @pytest.mark.thorough
 def test_values_are_those_of_the_studies():
     dragon = Dragon(benches=20)

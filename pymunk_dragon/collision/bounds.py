@@ -27,6 +27,25 @@ the coordinates never leave their range of E. Where E is too large for `_SLACK`,
 unknown. A corner at the distance q from its front handle has an error of at most (1 + 2 q / L) E. A
 gap depends on two benches, and each bound on the displacement of a bench on two coordinates with an
 error of 2 E: the sum is 6 (1 + 2 q / L) E.
+
+Distances from the origin. If all normals of the path pass the origin at c or less
+(`Curve.normal_offset`), then |d|P(s)|^2 / ds| = 2 |P . T| <= 2 c. So |P|^2 changes by at most 2 c m
+while s moves by m: at most the computed travel and 2 E. Let a and b be the distances of a bench's
+handles from the origin, m that of its middle, n that of the line through the handles, and x the
+distance along that line from its point next to the origin to the middle. Then
+
+    m^2 = (a^2 + b^2) / 2 - L^2 / 4,  x = |a^2 - b^2| / (2 L),  n^2 = m^2 - x^2.
+
+So bounds on the changes of a^2 and b^2 bound those of m, x and n. All of a bench of the length 2 l
+and the width w is at least n - w / 2 away from the origin. Its farthest point is a corner, at the
+squared distance (x + l)^2 + (n + w / 2)^2, which is at most m^2 + 2 l x + l^2 + w m + w^2 / 4. If
+one bench is nowhere as close to the origin as another one is anywhere, a circle about the origin
+separates them, and their gap is at least the difference.
+
+The computed m^2 has an error of up to L h / 2, as the handles are L apart to h only, and rounding
+changes it, L x, and the sums and differences of squares by less than 100 u (m + 2 l). The bounds on
+m^2 and L x are wider by (m + 2 l) times the rounding error of gaps, which is at least 18 E, and E
+is at least h and 18 u.
 """
 
 from __future__ import annotations
@@ -73,7 +92,17 @@ class Intervals(NamedTuple):
 
     @classmethod
     def between(cls, march: March, times: Array) -> Intervals:
-        """Intervals between `times`, up to the first one at which a handle has no coordinate."""
+        """Intervals between `times`, up to the first one at which a handle has no coordinate.
+
+        The march is at 1 m/s.
+        """
+        states = 2 * times.size * march.dragon.handles
+        compute = partial(cls._between, march, times)
+        return march.continuation.keep(times.tobytes(), states, compute)
+
+    @classmethod
+    def _between(cls, march: March, times: Array) -> Intervals:
+        """The same, computed."""
         all_times = np.empty(2 * times.size - 1)
         all_times[::2] = times
         all_times[1::2] = (times[:-1] + times[1:]) / 2
@@ -128,6 +157,8 @@ class MotionBounds:
         self._points = middle.points
         self._tangents = middle.tangents
         self._ratios = middle.ratios
+        self._dragon = march.dragon
+        self._normal_offset = march.curve.normal_offset
         self._spacings = spacings = march.dragon.spacings[: middle.points.shape[1] - 1]
         self._corner_points = march.dragon.outlines_between(self._points)
         # Distances (N, 4) of the corners from the front handles.
@@ -204,6 +235,31 @@ class MotionBounds:
             self._front_angles, self._rear_angles, travel, curvature, spacing
         )
         return shallow | known, RateBounds._make(map(partial(np.where, shallow), rates, followed))
+
+    def may_meet(self, rows: Indices, pairs: Indices, near: float) -> Flags:
+        """Whether no circle about the origin separates `pairs` (P, 2) by `near` m in `rows` (P,).
+
+        The module's docstring has the bounds on the distances of benches from the origin.
+        """
+        front = rows[:, None], pairs
+        rear = rows[:, None], pairs + 1
+        length = self._dragon.lengths[pairs]
+        width = self._dragon.widths[pairs]
+        along = self._points[front] - self._points[rear]
+        middle = self._points[front] - along / 2
+        distance = np.abs(middle)
+
+        rounding = self.rounding[rows, None]
+        moved = self.travel[front] + self.travel[rear] + rounding
+        change = self._normal_offset * moved + (distance + length) * rounding
+        offset = np.abs((along.conj() * middle).real) + change
+        offset /= self._spacings[pairs]
+        nearest = np.sqrt(np.maximum(distance**2 - change - offset**2, 0)) - width / 2
+        highest = distance**2 + change
+        farthest = highest + length * (offset + length / 4)
+        farthest += width * (np.sqrt(highest) + width / 4)
+        gaps = (nearest - np.sqrt(farthest)[:, ::-1]).max(axis=1) - near
+        return np.asarray(~(self.proven[rows] & (gaps > self.rounding[rows])))
 
     def separations(self, rows: Indices, pairs: Indices) -> Separation:
         """Separations of `pairs` (P, 2) of benches at the midpoints of intervals `rows` (P,)."""
@@ -346,9 +402,9 @@ class MotionBounds:
     def candidates(self, near: float, start_s: Array) -> tuple[Indices, Indices]:
         """Intervals (P,), and pairs (P, 2) of benches that may come within `near` m in them.
 
-        Circles about the benches that contain all their motion rule the others out; neighbours are
-        left out. Of the pairs without the benches 0 and 1 only those with s_i < s_{i-1}(start), the
-        coordinates `start_s` (H,); see `first_contact.py`.
+        Circles about the benches that contain all their motion rule the others out, or circles
+        about the origin; neighbours are left out. Of the pairs without the benches 0 and 1 only
+        those with s_i < s_{i-1}(start), the coordinates `start_s` (H,); see `first_contact.py`.
         """
         middles = (self._points[:, :-1] + self._points[:, 1:]) / 2
         own = np.abs(self._corner_points[0, :, 0] - middles[0])
@@ -375,7 +431,10 @@ class MotionBounds:
             pairs = pairs[tested[row, pairs[:, 0]]]
             found_rows.append(np.full(len(pairs), row))
             found_pairs.append(pairs)
-        return np.concatenate(found_rows), np.concatenate(found_pairs)
+        rows = np.concatenate(found_rows)
+        pairs = np.concatenate(found_pairs)
+        left = self.may_meet(rows, pairs, near)
+        return rows[left], pairs[left]
 
 
 def near_pairs(centres: Complex, radii: Array) -> Indices:

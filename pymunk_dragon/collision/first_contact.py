@@ -23,6 +23,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import astuple, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -68,7 +69,7 @@ _MOST_INTERVALS = 128
 # to test as this, because NumPy's overhead per call dominates with fewer.
 _PAIRS = 200
 # Fewest and most parts of an interval.
-_FEWEST_PARTS = 2
+_FEWEST_PARTS = 3
 _MOST_PARTS = 256
 # Points per pass in the search for the last time at which the chain has a state.
 _LAST_POINTS = 33
@@ -205,7 +206,8 @@ class _Search:
             if last < times[-1] and self._hit == np.inf:
                 # The chain loses its state in the interval after `last`, which is cleared up to the
                 # last state.
-                end = _last_reachable(march, last, float(times[times > last][0]))
+                ends = last, float(times[times > last][0])
+                end = march.continuation.keep(ends, 1, partial(_last_reachable, march, *ends))
                 if end > last:
                     last = self._clear(np.array([last, end]))
             if self._hit < np.inf:
@@ -247,9 +249,15 @@ class _Search:
                 half = max((count - done) // 2, _FEWEST_INTERVALS)
                 batch = min(half, _MOST_INTERVALS, count - done)
                 shares = np.arange(done, done + batch + 1) / count
-                done += batch
                 # Exact at both ends.
-                yield (1 - shares) * begin + shares * last
+                times = (1 - shares) * begin + shares * last
+                # The continuation is not followed before all earlier intervals are cleared.
+                direct = self._march.continuation.is_direct(self._march.head_start + times)
+                leading = int(direct[1:].argmin())
+                if leading:
+                    times = times[: leading + 1]
+                done += times.size - 1
+                yield times
 
     def _clear(self, times: Array) -> float:
         """Clear the intervals between `times`, up to the last time at which the chain has a state.
@@ -331,15 +339,24 @@ class _Search:
             pairs = pairs[left]
             sampled = sampled[left]
             if rows.size:
-                # Intervals with pairs that are left are divided, and each of these pairs is tested
-                # in all parts.
-                parts = min(max(_PAIRS // rows.size, _FEWEST_PARTS), _MOST_PARTS)
-                chosen, rows = np.unique(rows, return_inverse=True)
-                intervals = intervals.divided(self._march, chosen, parts, int(pairs.max()) + 2)
-                bounds = MotionBounds(self._march, intervals)
-                rows = (parts * rows[:, None] + np.arange(parts)).ravel()
-                pairs = np.repeat(pairs, parts, axis=0)
-                sampled = np.repeat(sampled, parts)
+                intervals, bounds, kept = self._divided(intervals, rows, pairs, sampled)
+                rows, pairs, sampled = kept
+
+    def _divided(
+        self, intervals: Intervals, rows: Indices, pairs: Indices, sampled: Flags
+    ) -> tuple[Intervals, MotionBounds, tuple[Indices, Indices, Flags]]:
+        """Parts of the intervals `rows` (P,) in which `pairs` (P, 2) are left, and their bounds.
+
+        Each of these pairs is tested in all parts, unless a circle about the origin separates it.
+        """
+        parts = min(max(_PAIRS // rows.size, _FEWEST_PARTS), _MOST_PARTS)
+        chosen, rows = np.unique(rows, return_inverse=True)
+        intervals = intervals.divided(self._march, chosen, parts, int(pairs.max()) + 2)
+        bounds = MotionBounds(self._march, intervals)
+        rows = (parts * rows[:, None] + np.arange(parts)).ravel()
+        pairs = np.repeat(pairs, parts, axis=0)
+        left = bounds.may_meet(rows, pairs, self._near)
+        return intervals, bounds, (rows[left], pairs[left], np.repeat(sampled, parts)[left])
 
     def _wide(self, bounds: MotionBounds, rows: Indices, pairs: Indices, normals: Array) -> Flags:
         """Whether gaps (P,) stay wider than a near miss.

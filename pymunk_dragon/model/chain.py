@@ -326,10 +326,13 @@ def gentle_offsets(path: Path, s: Array, chord: float) -> tuple[Array, Array, Fl
     return shortest, longest, sine < 1
 
 
-def rear_between(path: Path, s: Array, chord: float, low: Array, high: Array) -> Array:
+def rear_between(
+    path: Path, s: Array, chord: float, low: Array, high: Array, guess: Array | float = np.inf
+) -> Array:
     """Coordinates (T,) back from `s` at the straight distance `chord`; nan before the path's begin.
 
-    Newton's method, bracketed by the offsets `low` and `high`, between which the distance grows.
+    Newton's method from an offset `guess`, bracketed by the offsets `low` and `high`, between which
+    the distance grows.
     """
     fronts = as_complex(path.point(s))
     first = s - path.begin_s
@@ -342,7 +345,7 @@ def rear_between(path: Path, s: Array, chord: float, low: Array, high: Array) ->
 
     low = np.where(lost, np.nan, low)
     high = np.where(lost, np.nan, high)
-    offset = high.copy()
+    offset: Array = np.clip(guess, low, high)
     for _ in range(_MAX_PASSES):
         points, tangents = path.frame(np.maximum(s - offset, path.begin_s))
         between = fronts - as_complex(points)

@@ -14,10 +14,12 @@ such functions. Two facts make g certain:
   only one within that length: the "gentle" case, in which `Curve.chain` finds it. This is checked
   with the curve's own bound on its curvature.
 - Elsewhere g is followed in cells. From a root (s0, r0), and with bounds K_s and K_r on the
-  curvature near both handles, |F(s, r0)| <= |A| h + M_s h^2 / 2 for |s - s0| <= h, and B decreases
-  by no more than h + M_r p for |r - r0| <= p, where M = 1 + K times the longest distance in the
-  cell. If |A| h + M_s h^2 / 2 < p (B - h - M_r p), then for every s of the cell F changes sign once
-  and only once within |r - r0| <= p. No other branch can be met, however long the step.
+  curvature near both handles, |F(s, r0)| <= |A| h + M_s h^2 / 2 for |s - s0| <= h, and B is at
+  least B - h - M_r x at |r - r0| = x, where M = 1 + K times the longest distance in the cell. While
+  this is positive up to x = p, F changes with r in one direction, and by no less than its integral
+  to either side. So if |A| h + M_s h^2 / 2 < p (B - h - M_r p / 2), then for every s of the cell F
+  changes sign once and only once within |r - r0| <= p. No other branch can be met, however long the
+  step.
 
 Handles that move back and forth may pass the end of the next bench's g and return, although motion
 has ended there. What counts is the range of each handle since the start. The image of an interval
@@ -27,8 +29,9 @@ are followed along the chain as well.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Hashable, Iterable
 from functools import cached_property
+from typing import Any, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,6 +46,8 @@ from pymunk_dragon.model.chain import (
     rear_handle,
 )
 from pymunk_dragon.model.curves.base import Curve
+
+T = TypeVar("T")
 
 # Share of a spacing: the grid on which the curvature is checked.
 _GRID = 0.25
@@ -80,6 +85,9 @@ class Continuation:
         self._curve = curve
         self._head = head
         self._spacings = spacings
+        # States of handles for which `keep` has room: without it, nothing is kept.
+        self.room = 0
+        self._kept: dict[Hashable, Any] = {}
 
     @cached_property
     def start(self) -> Array:
@@ -90,9 +98,7 @@ class Continuation:
     def motion(self, heads: Array, handles: int) -> ChainMotion:
         """Motion of the foremost handles for heads (T,), m; nan where no motion leads."""
         spacings = self._spacings[: handles - 1]
-        lows = np.minimum(heads, self._head)
-        highs = np.maximum(heads, self._head)
-        direct = self._gentle(lows, highs, spacings)
+        direct = self.is_direct(heads, handles)
         if direct.all():
             return chains(self._curve, heads, spacings)
 
@@ -100,6 +106,25 @@ class Continuation:
         handles_s[direct] = self._curve.chain(heads[direct], spacings)
         handles_s[~direct] = self._followed(heads[~direct], handles)
         return chain_motion(self._curve, handles_s, spacings)
+
+    def is_direct(self, heads: Array, handles: int | None = None) -> Flags:
+        """Whether (T,) `Curve.chain` has the foremost handles for heads (T,), m."""
+        lows = np.minimum(heads, self._head)
+        highs = np.maximum(heads, self._head)
+        return self._gentle(lows, highs, self._spacings[: handles and handles - 1])
+
+    def keep(self, key: Hashable, states: int, compute: Callable[[], T]) -> T:
+        """The result of `compute`, which the key and this object determine.
+
+        It is kept for later calls while `room`, a number of handles' states, lasts.
+        """
+        if key in self._kept:
+            return cast(T, self._kept[key])
+        found = compute()
+        if states <= self.room:
+            self.room -= states
+            self._kept[key] = found
+        return found
 
     def ranges(self, first: Array, last: Array) -> tuple[Array, Array]:
         """Lowest and highest coordinates (T, H) of handles in motion between two states (T, H)."""
@@ -324,7 +349,8 @@ class _Branch:
         bracket = rear - half, rear + half
         while step > shortest and len(cells) < _MAX_CELLS:
             following = front + direction * step
-            there = float(self._rears(np.array([following]), bracket)[0])
+            guess = rear + direction * step * growth[0] / growth[1]
+            there = float(self._rears(np.array([following]), bracket, guess)[0])
             if not np.isnan(there):
                 low, high = sorted((front, following))
                 if hidden:
@@ -361,10 +387,11 @@ class _Branch:
             return front
         return float(np.clip(edges[number], curve.begin_s, curve.end_s))
 
-    def _rears(self, fronts: Array, bracket: tuple[float, float]) -> Array:
-        """Coordinates (T,) of the rear handle within a bracket, m."""
+    def _rears(self, fronts: Array, bracket: tuple[float, float], guess: float) -> Array:
+        """Coordinates (T,) of the rear handle within a bracket, m, near a guess."""
         low, high = bracket
-        return rear_between(self._curve, fronts, self._chord, fronts - high, fronts - low)
+        offsets = fronts - high, fronts - low, fronts - guess
+        return rear_between(self._curve, fronts, self._chord, *offsets)
 
     def _growth(self, fronts: float | Array, rears: float | Array) -> Array:
         """A and B of the module's docstring, (2, ...)."""
@@ -379,13 +406,14 @@ class _Branch:
         if behind <= 0:
             return 0.0, 0.0, 0.0
 
-        window = _WINDOW * self._chord
+        # The cell stays within this of its root in both coordinates.
+        window = min(_WINDOW * self._chord, behind / 2)
         others = np.array([front + direction * window, rear + window])
         curvature = self._curve.max_curvature(np.array([front, rear - window]), others)
         # M_s and M_r, the half height p, and the positive root h of the module's inequality.
         own, other = (1 + curvature * (self._chord + 2 * window)).tolist()
         half = min(window, behind / (2 * other))
-        room = half * (behind - other * half)
+        room = half * (behind - other * half / 2)
         slope = abs(ahead) + half
         root = 2 * room / (slope + float(np.sqrt(slope**2 + 2 * own * room)))
         step = _SAFE * min(root, behind / 4, window)
@@ -407,7 +435,7 @@ class _Branch:
         """Coordinates of both handles where A = 0, between two fronts at which its signs differ."""
         for _ in range(_PASSES):
             fronts = np.linspace(low, high, _SECTIONS)
-            rears = self._rears(fronts, bracket)
+            rears = self._rears(fronts, bracket, bracket[0])
             forward = self._growth(fronts, rears)[0] >= 0
             change = int(np.argmax(forward != forward[0]))
             if change == 0:

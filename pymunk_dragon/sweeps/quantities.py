@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from inspect import getdoc, signature
 from pkgutil import resolve_name
+from threading import local
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,11 @@ Outcome = tuple[Values | None, str | None]
 
 # Parameters of a scenario that are numbers.
 _SCENARIO = [name for name in parameters() if name not in ("curve", "outward", "points")]
+# States of handles that marches of equal motion share, of about 70 bytes: twice those of the
+# paper's march.
+_ROOM = 400_000
+# The key and the continuation of the march before, by thread.
+_BEFORE = local()
 # Characters of an error message in a table.
 _MAX_MESSAGE = 300
 
@@ -91,12 +97,28 @@ def evaluate(name: str, base: Values, point: Values) -> Outcome:
     quantity = quantity_of(name)
     try:
         scenario, own = quantity.scenario({**base, **point})
-        found = dict(quantity.function(scenario.march(), **own))
+        found = dict(quantity.function(_sharing_march(scenario), **own))
         values = {_column(key, point): _plain(key, value) for key, value in found.items()}
     except BaseException as error:
         kind = "" if isinstance(error, DragonError) else f"{type(error).__name__}: "
         return None, one_line(f"{kind}{error}")[:_MAX_MESSAGE]
     return values, None
+
+
+def _sharing_march(scenario: Scenario) -> March:
+    """The march of a scenario; equal motion has the continuation of this thread's march before.
+
+    That has no result that depends on earlier calls.
+    """
+    march = scenario.march()
+    key = march.curve, march.head_start, march.dragon.spacings.tolist()
+    if getattr(_BEFORE, "key", None) == key:
+        vars(march)["continuation"] = _BEFORE.continuation
+    else:
+        march.continuation.room = _ROOM
+        _BEFORE.key = key
+        _BEFORE.continuation = march.continuation
+    return march
 
 
 def _column(name: object, axes: Values) -> str:

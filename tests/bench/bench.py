@@ -12,6 +12,7 @@ import tempfile
 import time
 import warnings
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from functools import partial, reduce
 from pathlib import Path
 from typing import Any
@@ -508,12 +509,26 @@ def pull_speed() -> None:
     compare(works, sized(7, 1), time.process_time)
 
 
+def sweep_points() -> None:
+    """Processor time of a point of two maps on one thread, ms (`sweeps`)."""
+    maps: dict[str, Any] = {
+        "pitch x width": {"width": np.linspace(0.2, 0.4, sized(50, 1)).tolist()},
+        "pitch x head_spacing": {"head_spacing": np.linspace(2.2, 3.4, sized(5, 1)).tolist()},
+    }
+    for name, other in maps.items():
+        axes = {"pitch": np.random.default_rng(5).uniform(0.4, 0.8, sized(5, 1)).tolist()} | other
+        begin = time.process_time()
+        found = sweep(None, axes, executor=ThreadPoolExecutor(1))
+        print(f"{name}: {1e3 * (time.process_time() - begin) / found.points:.0f} ms a point")
+
+
 OF_MOTION = (answers, march, contact, time_of_impact, engine, drift, pile_up)
 OF_DYNAMICS = (errors_of_tolerances, pulled, pull_speed)
-OF_PICTURES_AND_SWEEPS = (film, debug_draw, sweep_overhead, sweep_efficiency, sweep_map)
+OF_PICTURES = (film, debug_draw)
+OF_SWEEPS = (sweep_overhead, sweep_efficiency, sweep_map, sweep_points)
 BENCHMARKS = {
     each.__name__.replace("_", "-"): each
-    for each in (*OF_MOTION, *OF_DYNAMICS, *OF_PICTURES_AND_SWEEPS)
+    for each in (*OF_MOTION, *OF_DYNAMICS, *OF_PICTURES, *OF_SWEEPS)
 }
 
 if __name__ == "__main__":

@@ -89,6 +89,10 @@ class Curve(ABC):
     # Distance between neighbouring turns, m, which benches have to be narrower than; None without
     # such turns.
     turn_width: float | None = None
+    # Upper bound on the distance from the origin to the normals of the path, m. It is half the rate
+    # at which the squared distance of the path from the origin changes. A circle about the origin
+    # has 0; where no bound is known, it is infinite. A finite one shortens searches for contacts.
+    normal_offset: float = np.inf
     # Circles about the curve that pictures show: x and y of the centre, and radius, m.
     circles: tuple[tuple[float, float, float], ...] = ()
     # Finite coordinates, m, at which pieces inside this curve begin or end, by their own zero.

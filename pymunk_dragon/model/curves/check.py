@@ -39,8 +39,8 @@ def check_curve(curve: Curve, low: float | None = None, high: float | None = Non
     not check at each call what a curve returns. It samples the curve at 2001 coordinates. Results
     must have the shapes of the arguments and be finite between the ends and nan beyond; the
     derivative of `point` must be `tangent`, and that of `tangent` the curvature, which may jump;
-    `max_curvature` must be above all curvatures; and what the class inherits must agree with its
-    `point`.
+    `max_curvature` must be above all curvatures, and `normal_offset` above all distances of normals
+    from the origin; and what the class inherits must agree with its `point`.
 
     Parameters
     ----------
@@ -186,6 +186,10 @@ def _check_other_methods(curve: Curve, s: Array) -> None:
     frame = np.stack(curve.frame(s), axis=1)
     same = np.abs(frame - wanted) <= _SAME
     _require(curve, "frame", s, frame[:, 0], same, "what point and tangent return")
+
+    offsets = np.abs(np.sum(wanted[:, 0] * wanted[:, 1], axis=-1))
+    right = offsets <= number(curve.normal_offset) + _SAME
+    _require(curve, "normal_offset", s, offsets, right, "at most the normal_offset of the curve, m")
 
     parameters = curve._parameter(s)
     remedy = "derive the class from Curve, not from a curve of the package"

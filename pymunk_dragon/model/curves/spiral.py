@@ -67,7 +67,8 @@ class Spiral(PackageCurve, kind="spiral"):
         self._set(pitch=pitch, rotation=rotation)
         instance("outward", self.outward, bool, "True or False")
         begin_s, end_s = (0.0, np.inf) if self.outward else (-np.inf, 0.0)
-        self._set(begin_s=begin_s, end_s=end_s, turn_width=pitch)
+        # The normal at the polar angle theta passes the origin at k theta / sqrt(theta^2 + 1).
+        self._set(begin_s=begin_s, end_s=end_s, turn_width=pitch, normal_offset=self.k)
 
     @property
     def k(self) -> float:
