@@ -53,7 +53,7 @@ def test_contact_time_is_that_of_first_contact():
     assert len(set(found.column("status"))) > 1
 
 
-@pytest.mark.parametrize("count", [8, pytest.param(400, marks=pytest.mark.thorough)])
+@pytest.mark.parametrize("count", [8, pytest.param(40, marks=pytest.mark.thorough)])
 def test_points_of_equal_motion_are_those_of_single_searches_to_the_bit(count):
     # A long enough dragon meets the centre, itself, or both.
     random = np.random.default_rng(count)
