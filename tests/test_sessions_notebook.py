@@ -25,6 +25,7 @@ if find_spec("anywidget") is None:
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.sessions import live
 from pymunk_dragon.sessions import widget as widgets
+from pymunk_dragon.sessions.client import MOST_FRAMES
 
 PORTS = (
     "{each.laddr for each in psutil.Process().net_connections('tcp') if each.status == 'LISTEN'}"
@@ -182,12 +183,12 @@ def test_frames_wait_for_the_page_to_draw_those_before():
         on.session.clock.play()
         wait(on.settle, lambda: on.scene.time > 0.5)
         numbers = [number for number, _ in widget.frames]
-        assert numbers == list(range(1, widgets.MOST_FRAMES + 1))
+        assert numbers == list(range(1, MOST_FRAMES + 1))
         receive(widget, 1)
-        wait(on.settle, lambda: len(widget.frames) == widgets.MOST_FRAMES + 1)
+        wait(on.settle, lambda: len(widget.frames) == MOST_FRAMES + 1)
         # What was lost with an earlier page is not waited for.
         receive(widget, 0)
-        wait(on.settle, lambda: len(widget.frames) > widgets.MOST_FRAMES + 1)
+        wait(on.settle, lambda: len(widget.frames) > MOST_FRAMES + 1)
 
 
 def test_nothing_is_sent_while_the_page_is_silent_and_it_goes_on_afterwards(monkeypatch):
@@ -410,7 +411,7 @@ def test_page_goes_on_while_a_cell_runs_and_its_inputs_take_effect(browser, tmp_
             frame = frame_of(page, shows)
             run_cell(page, loops, START)
             # More than are sent without an answer.
-            wait_until(frame, f"live.frame?.step > 0 && live.drawn > {5 * widgets.MOST_FRAMES}")
+            wait_until(frame, f"live.frame?.step > 0 && live.drawn > {5 * MOST_FRAMES}")
             frame.click("#play")
             wait_until(frame, "!live.state.running")
             assert not ends(page, loops)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import asyncio
 import math
+import sys
 import threading
 
 import pymunk
@@ -240,3 +242,20 @@ def test_recording_is_replayed_to_the_bit(name):
     assert not again.session.state()["replaying"]
     assert again.session.wait_for_replay() == 0
     assert again.session.log() == log
+
+
+def test_event_loop_makes_the_turns_where_there_are_no_threads(monkeypatch):
+    monkeypatch.setattr("pymunk_dragon.sessions.session._WITHOUT_THREADS", True)
+    threads = threading.active_count()
+    session = Session(space_scene(pymunk.Space, PlaySettings(step=STEP)))
+
+    async def play():
+        session.start()
+        while session.scene.steps < 3:
+            await asyncio.sleep(0)
+        session.call(sys.exit)
+        while not session._ended.is_set():
+            await asyncio.sleep(0)
+
+    asyncio.run(play())
+    assert threading.active_count() == threads

@@ -46,6 +46,7 @@ COMMANDS = {
     "sweep": "Compute a quantity at many values of parameters, in parallel.",
     "demo": "Play a lesson.",
     "live": "Play the dragon in real time, and touch it in a browser.",
+    "publish": "Write a folder for the web: lessons and scenes, or a program that calls `live`.",
 }
 # Environment variable by which a shell requests completions, as Click names it.
 _COMPLETE_VARIABLE = "_PYMUNK_DRAGON_COMPLETE"

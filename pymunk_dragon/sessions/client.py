@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from pymunk_dragon.errors import ParameterError
@@ -12,6 +12,10 @@ from pymunk_dragon.sessions.messages import Ping, read_message
 
 if TYPE_CHECKING:
     from pymunk_dragon.sessions.session import Session
+
+
+# Frames on the way to a page to which they are posted, at most; the page acknowledges every third.
+MOST_FRAMES = 6
 
 
 class Client:
@@ -53,6 +57,51 @@ class Client:
     def stop(self) -> None:
         """End the connection with the page."""
         raise NotImplementedError
+
+
+class PostedClient(Client):
+    """A page to which content is posted: that of a notebook, or one whose worker has the session.
+
+    A text from the page is a message; a number is that of a frame that the page has drawn, and 0
+    that of a page that begins anew.
+    """
+
+    def __init__(self, session: Session) -> None:
+        self.session = session
+        self._sent = 0
+        self._drawn = 0
+
+    def post(self, content: dict[str, Any], buffers: Sequence[bytes] = ()) -> None:
+        """Post an object, and bytes beside it."""
+        raise NotImplementedError
+
+    def take_post(self, content: object) -> None:
+        """Take what the page posted."""
+        if content == 0 or self not in self.session.clients:
+            # A page that begins anew has none of the frames that were sent before, and holds no
+            # body.
+            self.session.leave(self)
+            self._drawn = self._sent
+            self.session.join(self)
+        if isinstance(content, str):
+            self.take(content)
+        elif isinstance(content, int):
+            self._drawn = max(self._drawn, content)
+
+    def send_text(self, text: str) -> None:
+        """Post a text."""
+        self.post({"text": text})
+
+    def show(self, frame: bytes) -> None:
+        """Post a frame, unless the page has to draw those before it."""
+        if self._sent - self._drawn < MOST_FRAMES:
+            self._sent += 1
+            self.post({"frame": self._sent}, [frame])
+
+    def stop(self) -> None:
+        """Have the page say that the session has ended."""
+        self.session.leave(self)
+        self.post({"closed": True})
 
 
 class Clients:

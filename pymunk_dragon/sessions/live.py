@@ -10,7 +10,7 @@ from dataclasses import replace
 from functools import cached_property
 from html import escape
 from importlib.util import find_spec
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import pymunk
 
@@ -40,6 +40,9 @@ class Live(AbstractContextManager["Live"]):
     ...     session.address.startswith("http://127.0.0.1:")
     True
     """
+
+    # Makes the handle of a session: another one where a program is published.
+    made_by: ClassVar[Callable[..., Live] | None] = None
 
     def __init__(self, session: Session, *, browser: bool = False, **options: Any) -> None:
         # Where there are widgets, the server may use the port much later.
@@ -202,7 +205,8 @@ def live(
     if what is None or isinstance(what, March | str):
         _check_unchanged(settings)
     session = Session(source_of(what, settings), running=not paused)
-    return Live(session, browser=browser, host=host, port=port, allow_hosts=allow_hosts)
+    make = Live.made_by or Live
+    return make(session, browser=browser, host=host, port=port, allow_hosts=allow_hosts)
 
 
 def _check_settings(settings: PlaySettings) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 import threading
 import traceback
 from collections.abc import Callable, Iterator, Mapping
@@ -52,6 +53,9 @@ _MAX_WAIT = 0.1
 _PATIENCE = 0.5
 # Calls of a traceback that the page shows: the last ones of the user's.
 _TRACE_CALLS = 3
+# Whether no threads can be started: in WebAssembly, where the event loop of the page or of its
+# worker makes the turns.
+_WITHOUT_THREADS = sys.platform == "emscripten"
 # Folders of files that are not the user's: this package's, and Pymunk's.
 _PACKAGE = str(Path(__file__).parents[1])
 _PYMUNK = str(Path(pymunk.__file__).parent)
@@ -112,8 +116,15 @@ class Session:
     # ---- from any thread
 
     def start(self) -> None:
-        """Call `turn` in a thread, unless a program makes the steps."""
-        if not self.scene.manual:
+        """Call `turn` in a thread, or in the running event loop where there are no threads.
+
+        A program that makes the steps itself calls `step` instead.
+        """
+        if self.scene.manual:
+            return
+        if _WITHOUT_THREADS:
+            self._turn_later(0.0)
+        else:
             self._thread = threading.Thread(
                 target=self._run, name="pymunk-dragon live", daemon=True
             )
@@ -248,6 +259,21 @@ class Session:
             with self.held:
                 self._discard()
 
+    def _turn_later(self, seconds: float) -> None:
+        """Take a turn in so many s by the running event loop, and others afterwards."""
+        # Not needed where there are threads.
+        from asyncio import get_running_loop
+
+        if not self._ended.is_set():
+            get_running_loop().call_later(min(seconds, _MAX_WAIT), self._turn_in_loop)
+
+    def _turn_in_loop(self) -> None:
+        """Take a turn, and the next one when it is due; `sys.exit` in the user's code ends them."""
+        try:
+            self._turn_later(self.turn())
+        except SystemExit:
+            self.stop()
+
     def _wait(self, seconds: float) -> None:
         """Wait so many s, or for a message."""
         # Without this pause, a program that waits for `held` would get it late, or never.
@@ -302,7 +328,7 @@ class Session:
             with callbacks_raise():
                 yield
         except Exception as error:
-            failure = _described(error)
+            failure = described(error)
             if answer is not None and isinstance(error, DragonError):
                 answer(failure)
             # An error is sent once, and not again in each frame of a session that it paused.
@@ -454,7 +480,7 @@ def _ignored(error: dict[str, Any]) -> None:
     """Take no notice of an error."""
 
 
-def _described(error: Exception) -> dict[str, Any]:
+def described(error: Exception) -> dict[str, Any]:
     """An exception as a message.
 
     An exception in a function of the user's has its line and the end of the traceback in addition.

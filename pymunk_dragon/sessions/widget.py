@@ -16,13 +16,11 @@ from traitlets import Unicode
 
 from pymunk_dragon._language import language
 from pymunk_dragon.drawing.debug_draw import still
-from pymunk_dragon.sessions.client import Client
+from pymunk_dragon.sessions.client import PostedClient
 from pymunk_dragon.sessions.page import live_page
 from pymunk_dragon.sessions.session import Session
 from pymunk_dragon.web.html import asset, data_address
 
-# Frames on the way to the page, at most; the page acknowledges every third one.
-MOST_FRAMES = 6
 # Time without a message from the page, s, after which nothing is sent, as queues have no bound. A
 # page sends a message every 5 s.
 SILENCE = 15.0
@@ -30,10 +28,9 @@ SILENCE = 15.0
 REQUEST = "page"
 
 
-class LiveWidget(Client, AnyWidget):
+class LiveWidget(PostedClient, AnyWidget):
     """The page of a session, in a frame.
 
-    A text from the page is a message; a number is that of a frame that the page has drawn.
     The notebook stores the traits that are synchronized: the page is not one of them, and is sent
     when the widget requests it.
     """
@@ -43,13 +40,12 @@ class LiveWidget(Client, AnyWidget):
     still = Unicode().tag(sync=True)
 
     def __init__(self, session: Session) -> None:
-        super().__init__()
+        AnyWidget.__init__(self)
+        PostedClient.__init__(self, session)
         self.still = f"live-{self.model_id}"
         # The page has the language of the caller, which other threads do not have.
         self._page, _ = live_page(session.source.title, language())
-        self.session = session
         self._heard = 0.0
-        self._sent = self._drawn = 0
         # The context of the page's newest message.
         self._context = copy_context()
         self.on_msg(self._receive)
@@ -73,22 +69,16 @@ class LiveWidget(Client, AnyWidget):
     def stop(self) -> None:
         """Take no more messages, and have the page say so."""
         self.on_msg(self._receive, remove=True)
-        self.session.leave(self)
-        self._post({"closed": True})
-
-    def send_text(self, text: str) -> None:
-        """Send a text."""
-        self._post({"text": text})
+        super().stop()
 
     def show(self, frame: bytes) -> None:
         """Send a frame, unless the page has to draw those before it."""
         if perf_counter() - self._heard > SILENCE:
             self.session.leave(self)
-        elif self._sent - self._drawn < MOST_FRAMES:
-            self._sent += 1
-            self._post({"frame": self._sent}, [frame])
+        else:
+            super().show(frame)
 
-    def _post(self, content: dict[str, Any], buffers: Sequence[bytes] = ()) -> None:
+    def post(self, content: dict[str, Any], buffers: Sequence[bytes] = ()) -> None:
         """Send in the context of the page's newest message.
 
         ipykernel 7.4 has an answer taken by the thread that took the message in whose context the
@@ -101,16 +91,7 @@ class LiveWidget(Client, AnyWidget):
     def _receive(self, widget: object, content: object, buffers: object) -> None:
         self._context = copy_context()
         if content == REQUEST:
-            self._post({"page": self._page})
+            self.post({"page": self._page})
             return
         self._heard = perf_counter()
-        if content == 0 or self not in self.session.clients:
-            # A page that begins anew has none of the frames that were sent before, and holds no
-            # body.
-            self.session.leave(self)
-            self._drawn = self._sent
-            self.session.join(self)
-        if isinstance(content, str):
-            self.take(content)
-        elif isinstance(content, int):
-            self._drawn = max(self._drawn, content)
+        self.take_post(content)

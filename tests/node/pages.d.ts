@@ -283,6 +283,9 @@ interface PageElements {
   [chart: `chart-${string}`]: HTMLCanvasElement;
   about: HTMLDialogElement;
   back: HTMLButtonElement;
+  "begin-alone": HTMLAnchorElement;
+  "begin-picture": HTMLImageElement;
+  "begin-play": HTMLButtonElement;
   bench: HTMLInputElement;
   contacts: HTMLSelectElement;
   events: HTMLSelectElement;
@@ -291,6 +294,7 @@ interface PageElements {
   last: HTMLButtonElement;
   lesson: HTMLAnchorElement;
   next: HTMLButtonElement;
+  loading: HTMLProgressElement;
   "obstacle-size": HTMLInputElement;
   play: HTMLButtonElement;
   previous: HTMLButtonElement;

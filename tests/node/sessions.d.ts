@@ -155,6 +155,30 @@ interface Listeners {
   received(message: any): void;
   framed(buffer: ArrayBuffer): void;
   changed(open: boolean): void;
+  loaded(loading: Loading): void;
+}
+
+/** What a published page says of itself and for its worker. */
+interface Site {
+  worker: string;
+  title: string;
+  text: string;
+  picture: string;
+  lessons: string;
+}
+
+/** How far the worker of a published page is. */
+interface Loading {
+  stage?: any;
+  failure?: LiveError;
+}
+
+/** What a widget or a worker posts. */
+interface Posted {
+  text?: string;
+  bytes?: ArrayBuffer;
+  frame?: number;
+  closed?: boolean;
 }
 
 /** A WebSocket, or what a notebook's widget has in its place. */

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -103,6 +103,7 @@ def run_page(
     progress: Callable[[int, int], object],
     *,
     live: bool = False,
+    site: Mapping[str, str] | None = None,
 ) -> str:
     """Page of lessons that are run here; see `write_lessons` and `make_page`."""
     # Before the lessons are run.
@@ -112,11 +113,20 @@ def run_page(
     for done, lesson in enumerate(lessons, start=1):
         recordings.append(record(lesson))
         progress(done, len(lessons))
-    return make_page(recordings, language, live=live)
+    return make_page(recordings, language, live=live, site=site)
 
 
-def make_page(recordings: Sequence[Recording], language: str = "en", *, live: bool = False) -> str:
-    """HTML of one page of lessons that were run; `live` if a live server has the page."""
+def make_page(
+    recordings: Sequence[Recording],
+    language: str = "en",
+    *,
+    live: bool = False,
+    site: Mapping[str, str] | None = None,
+) -> str:
+    """HTML of one page of lessons that were run; `live` if a live server has the page.
+
+    A `site` has titles of other pages and their addresses; the first one plays live scenes.
+    """
     stages = [found.lesson.path.with_suffix(".js") for found in recordings]
     own = [stage.read_text(encoding="utf-8") for stage in stages if stage.exists()]
     script = "\n".join([*scripts("lab"), *own, *scripts("lessons")])
@@ -132,7 +142,8 @@ def make_page(recordings: Sequence[Recording], language: str = "en", *, live: bo
         html=html,
         spiral=_spiral(),
         lessons=[_values(recording, live) for recording in recordings],
-        policy=policy(style, script) + "; frame-src 'self'" * live,
+        site=site or {},
+        policy=policy(style, script) + "; frame-src 'self'" * (live or site is not None),
         style=style,
         script=script,
     )

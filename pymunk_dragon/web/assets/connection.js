@@ -5,79 +5,24 @@ const LAST_DELAY = 5000; // ms: longest wait
 const DELAY_GROWTH = 1.6; // times, from one attempt to the next
 const PING_EVERY = 5000; // ms
 const SILENCE = 15000; // ms without a message after which the connection counts as lost
-
-// Each so many frames are acknowledged when they are drawn; Python sends twice as many before.
-const TOLD_FRAME = 3;
-// This is the frame of a notebook's widget.
-const IN_WIDGET = location.href.startsWith("about:srcdoc");
-
-// Takes the place of a WebSocket there: the widget passes on what is posted.
-class WidgetSocket {
-  constructor() {
-    /** @type {number} */
-    this.readyState = WebSocket.CONNECTING;
-    /** @type {() => void} */
-    this.onopen = () => {};
-    /** @type {(event: { data: unknown }) => void} */
-    this.onmessage = () => {};
-    /** @type {() => void} */
-    this.onclose = () => {};
-    /** @type {(event: MessageEvent) => unknown} */
-    this.read = ({ source, data }) => source === parent && this.take(data);
-    window.addEventListener("message", this.read);
-    /** @type {number} */
-    this.waiting = setTimeout(() => this.close(), LAST_DELAY);
-    this.send(0);
-  }
-
-  // A frame counts as drawn with the next picture; a page that nobody sees has none.
-  /**
-   * @type {(
-   *   message: { text?: string, bytes?: ArrayBuffer, frame?: number, closed?: boolean },
-   * ) => void}
-   */
-  take({ text, bytes, frame, closed }) {
-    clearTimeout(this.waiting);
-    if (closed) {
-      this.close();
-      return;
-    }
-    if (this.readyState === WebSocket.CONNECTING) {
-      this.readyState = WebSocket.OPEN;
-      this.onopen();
-    }
-    this.onmessage({ data: bytes ?? text });
-    if (frame !== undefined && frame % TOLD_FRAME === 0) {
-      requestAnimationFrame(() => this.send(frame));
-    }
-  }
-
-  /** @type {(content: unknown) => void} */
-  send(content) {
-    parent.postMessage(content, "*");
-  }
-
-  close() {
-    window.removeEventListener("message", this.read);
-    this.readyState = WebSocket.CLOSED;
-    this.onclose();
-  }
-}
+const WORKER_PING = 1000; // ms
+const ANSWER = 5000; // ms: a worker that is silent for longer can be stopped
 
 class Connection {
-  // `received` gets each JSON message, `framed` each binary frame,
-  // and `changed` whether the connection is open.
+  // `received` gets each JSON message, `framed` each binary frame, `changed` whether the connection
+  // is open, and `loaded` how far a worker is, which `open` starts.
   /** @param {Listeners} listeners */
-  constructor({ received, framed, changed }) {
+  constructor({ received, framed, changed, loaded }) {
     this.received = received;
     this.framed = framed;
     this.changed = changed;
-    this.heard = 0; // ms: time of the last message
+    this.loaded = loaded;
+    this.heard = Infinity; // ms: time of the last message, once there is one to be expected
     /** @type {Socket | null} */
     this.socket = null;
     this.delay = FIRST_DELAY;
-    this.open();
-    setInterval(() => this.ping(), PING_EVERY);
+    if (!SITE) this.open();
+    setInterval(() => this.ping(), SITE ? WORKER_PING : PING_EVERY);
   }
 
   get connected() {
@@ -85,8 +30,7 @@ class Connection {
   }
 
   open() {
-    /** @type {Socket} */
-    const socket = IN_WIDGET ? new WidgetSocket() : new WebSocket(`socket${location.search}`);
+    const socket = this.newSocket();
     this.socket = socket;
     socket.binaryType = "arraybuffer";
     socket.onopen = () => {
@@ -97,11 +41,32 @@ class Connection {
     socket.onclose = () => this.reopen(socket);
   }
 
+  /** @returns {Socket} */
+  newSocket() {
+    if (SITE) return new WorkerSocket(SITE, (loading) => this.load(loading));
+    return IN_WIDGET ? new WidgetSocket() : new WebSocket(`socket${location.search}`);
+  }
+
+  // Take how far a worker is; then its program runs, which may not answer any more.
+  /** @type {(loading: Loading) => void} */
+  load(loading) {
+    this.heard = loading.stage === STAGES ? performance.now() : Infinity;
+    this.loaded(loading);
+  }
+
+  // Whether a worker has not said anything for long: a program keeps it busy.
+  get stuck() {
+    return performance.now() - this.heard > ANSWER;
+  }
+
   // Wait longer after each attempt that fails; the first message sets the wait back.
   /** @type {(socket: Socket) => void} */
   reopen(socket) {
     if (socket !== this.socket) return;
     this.changed(false);
+    // A worker that did not come up would not do so now.
+    if (SITE && this.heard === Infinity) return;
+    this.heard = Infinity;
     setTimeout(() => this.open(), this.delay);
     this.delay = Math.min(LAST_DELAY, this.delay * DELAY_GROWTH);
   }
@@ -116,7 +81,7 @@ class Connection {
 
   ping() {
     if (!this.connected) return;
-    if (performance.now() - this.heard > SILENCE) this.socket?.close();
+    if (!SITE && performance.now() - this.heard > SILENCE) this.socket?.close();
     else this.send({ do: "ping", id: Math.round(performance.now()) });
   }
 

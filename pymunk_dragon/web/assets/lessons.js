@@ -37,6 +37,9 @@ speak(
     .find((each) => languages.includes(each)) ?? root.lang,
 );
 
+// Whether a published page can load its engine: not from a file, and not in a frame with a sandbox.
+const HAS_ENGINE = location.protocol !== "file:" && self.origin !== "null";
+
 // The live scene of a stage, where a live server has this page. One is open, as all belong to one
 // session; a button opens another one again.
 /** @type {(stage: HTMLElement) => void} */
@@ -46,7 +49,8 @@ function openScene(stage) {
     old.replaceWith(still.cloneNode(true));
   }
   const frame = document.createElement("iframe");
-  const address = () => `live${location.search}#stage=${stage.dataset.live}&lang=${root.lang}`;
+  const { page, live } = stage.dataset;
+  const address = () => `${page}${location.search}#stage=${live}&lang=${root.lang}`;
   frame.title = partOf(stage.closest(".lesson") ?? stage, "h2").textContent.trim();
   frame.src = address();
   document.addEventListener("languagechange", () => {
@@ -76,7 +80,9 @@ for (const lesson of /** @type {NodeListOf<HTMLElement>} */ (
 
   const open = () => {
     enter("open");
-    if (stage.dataset.live && !stage.querySelector("figure, iframe")) openScene(stage);
+    const { live, page } = stage.dataset;
+    const plays = page !== "live" ? HAS_ENGINE : !stage.querySelector("figure");
+    if (live && plays && !stage.querySelector("iframe")) openScene(stage);
     if (stage.dataset.stage && !stage.hasChildNodes()) openStage(stage);
     const first = stage.querySelector("input, button, [tabindex]") ?? partOf(lesson, ".show");
     first.focus({ preventScroll: true });

@@ -13,8 +13,6 @@ const NO_MODEL = /** @type {any} */ ({
   widths: [1],
   narrowest: 1,
 });
-// Scene for a frame on the page of a lesson.
-const STAGE = new URLSearchParams(location.hash.slice(1)).get("stage");
 
 // The first is the lowest.
 const LIVE_LAYERS = [
@@ -49,6 +47,8 @@ class Live extends Stage {
     this.newest = NOTHING_YET;
     /** @type {LiveMoment | null} */
     this.cachedMoment = null;
+    /** @type {Parameter[]} */
+    this.first = []; // those of the scene as it began
     this.scales = new Scales();
     this.rateKind = ""; // what the rate was measured of
     /** @type { { clock: number, time: number }[]} */
@@ -71,6 +71,7 @@ class Live extends Stage {
       received: (message) => this.receive(message),
       framed: (buffer) => this.receiveFrame(buffer),
       changed: (open) => this.showConnection(open),
+      loaded: (loading) => showLoading(this, loading),
     });
   }
 
@@ -115,7 +116,11 @@ class Live extends Stage {
   setScene(scene) {
     this.showBuilding(false);
     // A stage begins anew when it is opened.
-    if (!this.scene && STAGE && scene.role === "control") this.send({ do: "scene", name: STAGE });
+    const isFirst = !this.scene;
+    nameScene(scene);
+    if (isFirst && STAGE && !SITE && scene.role === "control") {
+      this.send({ do: "scene", name: STAGE });
+    }
     const same = this.scene?.name === scene.name;
     const anew = this.scene?.generation !== scene.generation;
     this.scene = scene;
@@ -130,6 +135,7 @@ class Live extends Stage {
     if (anew) this.events = [];
     this.showEvents();
     if (!same) {
+      this.first = scene.parameters;
       this.setFollow("field");
       const own = STAGE && !scene.dragon ? ["forces"] : []; // in a lesson on forces
       for (const name of LIVE_SWITCHES) {
@@ -138,6 +144,8 @@ class Live extends Stage {
       setText("announcement", translated(scene.title));
     }
     showScene(this);
+    element("begin").hidden = true;
+    if (isFirst && SITE) applyLink(this);
     this.requestDraw();
   }
 
@@ -288,7 +296,7 @@ class Live extends Stage {
     setLanguage(name);
     const address =
       name === DEFAULT_LANGUAGE ? location.pathname + location.search : `#lang=${name}`;
-    rememberAddress(address);
+    if (!SITE) rememberAddress(address);
     if (!this.scene) return;
     this.showEvents();
     showScene(this);

@@ -26,6 +26,7 @@ function connectLive(live) {
   });
   listenForProgram(live);
   listenForLeaving(live);
+  connectSite(live);
   element("save").href = `inputs${location.search}`;
   for (const kind of ["focus", "blur"]) {
     element("field").addEventListener(kind, () => live.requestDraw());

@@ -38,7 +38,9 @@ function showScene(live) {
           " where bodies touch, the run may differ",
       )
     : localized("Start again: all is as it was at first, sliders too");
-  for (const id of ["save", "about-save"]) element(id).hidden = IN_WIDGET || !scene.replays;
+  for (const id of ["save", "about-save"]) {
+    element(id).hidden = IN_WIDGET || SITE !== null || !scene.replays;
+  }
   const list = element("scene");
   list.replaceChildren(
     ...scene.scenes.map((each) => new Option(translated(each.title), each.name)),
@@ -57,12 +59,12 @@ function showScene(live) {
 // otherwise the command that shows it.
 /** @type {(scene: LiveScene) => void} */
 function showLesson({ lesson }) {
-  const here = location.pathname.endsWith("/live");
+  const here = SITE ? SITE.lessons !== "" : location.pathname.endsWith("/live");
   const link = element("lesson");
   const option = language === "en" ? "" : ` --lang ${language}`;
   const command = `pymunk-dragon demo --live ${lesson}${option}`;
   setText("lesson", lesson ? localized("Lesson: {name}", { name: here ? lesson : command }) : "");
-  if (here) link.href = `./${location.search}#${lesson}`;
+  if (here) link.href = `./${SITE?.lessons ?? ""}${location.search}#${lesson}`;
 }
 
 /** @type {(live: Live) => void} */

@@ -1,0 +1,46 @@
+"""`pymunk-dragon publish`."""
+
+from __future__ import annotations
+
+import shlex
+from pathlib import Path
+
+import click
+
+from pymunk_dragon._language import text
+from pymunk_dragon.cli.options import command
+from pymunk_dragon.cli.output import progress
+
+
+@command("site", "program.py site --include picture.png", "site --offline pyodide")
+@click.argument("places", metavar="[PROGRAM.py] FOLDER", nargs=-1)
+@click.option(
+    "--include",
+    metavar="FILE",
+    multiple=True,
+    help="A file that the program reads or imports; also several times.",
+)
+@click.option(
+    "--offline",
+    metavar="RUNTIME",
+    help="Folder with a copy of Pyodide, which is put into FOLDER: the page needs no other server.",
+)
+def publish(places: tuple[str, ...], include: tuple[str, ...], offline: str | None) -> None:
+    """Write a folder for a web server: lessons and scenes, or your program that calls `live`.
+
+    The engine runs in the browser of the reader, and nothing on the server.
+    """
+    from pymunk_dragon.publish import publish_program, publish_site
+
+    if len(places) not in (1, 2) or (include and len(places) == 1):
+        raise click.UsageError(
+            "give a folder, or a program and a folder; --include needs a program"
+        )
+    *program, folder = places
+    if program:
+        publish_program(program[0], folder, include=include, runtime=offline)
+    else:
+        with progress("publish") as show:
+            publish_site(folder, runtime=offline, progress=show)
+    place = shlex.quote(str(Path(folder)))
+    click.echo(text("to see it: {command}").format(command=f"python -m http.server -d {place}"))

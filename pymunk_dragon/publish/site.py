@@ -1,0 +1,183 @@
+"""A folder for a web server: pages whose engine runs in the browser."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from html import escape
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from pymunk_dragon._files import reason
+from pymunk_dragon._language import language
+from pymunk_dragon.errors import OutputError, ParameterError
+from pymunk_dragon.lessons import LESSONS
+from pymunk_dragon.lessons._framework.page import run_page
+from pymunk_dragon.model.march import March
+from pymunk_dragon.physics.simulation import simulate
+from pymunk_dragon.player import write_player
+from pymunk_dragon.publish.program import Program, picture_of, read_program
+from pymunk_dragon.publish.runtime import CDN, PACKAGES, copied_runtime, wheels
+from pymunk_dragon.sessions.page import live_page
+from pymunk_dragon.sessions.scenes import named_scene
+from pymunk_dragon.web.html import asset, data_address, embedded_json
+
+# Pages of the site beside the lessons: titles and addresses.
+_PAGES = {"Live scenes": "live.html", "A recorded run": "player.html"}
+# Title and text of the page of scenes.
+_SCENES = "Scenes that Pymunk plays in this page"
+_ABOUT = "Pull, cut and change them; choose one in the list."
+# Start of the recorded run, s: some seconds before its first contact.
+_RUN_START = 400.0
+
+
+def publish_site(
+    folder: str | Path,
+    *,
+    runtime: str | Path | None = None,
+    progress: Callable[[int, int], object] = lambda done, total: None,
+) -> None:
+    """Write a folder with the lessons, all live scenes, and the player of a run.
+
+    Parameters
+    ----------
+    folder : path
+        A new folder, or an empty one. An error leaves it as it was.
+    runtime : path, optional
+        Folder with a copy of Pyodide, which is put into `folder`; by default pages load Pyodide
+        from its CDN.
+    progress : callable, optional
+        Called with the number of lessons that were run, and of all, after each one.
+
+    Raises
+    ------
+    ParameterError
+        If a folder cannot be used.
+    DragonError
+        If pip cannot download the wheel of Pymunk, or writing fails.
+    MissingExtraError
+        If a library that the lessons use is not installed.
+
+    Examples
+    --------
+    >>> publish_site("site")  # doctest: +SKIP
+    """
+    with _new_folder(folder) as draft:
+        site = _write_engine(draft, runtime, None) | {"lessons": "index.html"}
+        scene = named_scene("dragon").build({})
+        _write_page(draft / "live.html", _SCENES, _ABOUT, site, picture_of(scene))
+        write_player(simulate(March(), start=_RUN_START), draft / "player.html")
+        page = run_page(list(LESSONS.values()), language(), progress, site=_PAGES)
+        (draft / "index.html").write_bytes(page.encode())
+
+
+def publish_program(
+    program: str | Path,
+    folder: str | Path,
+    *,
+    include: Sequence[str | Path] = (),
+    runtime: str | Path | None = None,
+) -> None:
+    """Write a folder with a page on which a program runs that calls `live`.
+
+    Parameters
+    ----------
+    program : path
+        The program, which is run until it calls `live`. The first line of its docstring is the
+        title of the page.
+    folder : path
+        A new folder, or an empty one. An error leaves it as it was.
+    include : sequence of path
+        Files that the program reads or imports.
+    runtime : path, optional
+        Folder with a copy of Pyodide, which is put into `folder`; by default the page loads Pyodide
+        from its CDN.
+
+    Raises
+    ------
+    ParameterError
+        If a file or a folder cannot be used.
+    FileFormatError
+        If the program is no program, or imports what the page does not have.
+    DragonError
+        If the program fails or does not call `live`, or pip cannot download the wheel of Pymunk.
+
+    Examples
+    --------
+    >>> publish_program("cradle.py", "site")  # doctest: +SKIP
+    """
+    with _new_folder(folder) as draft:
+        found = read_program(program, include)
+        site = _write_engine(draft, runtime, found) | {"title": found.title, "text": found.text}
+        _write_page(draft / "index.html", found.title, found.text, site, found.picture)
+
+
+@contextmanager
+def _new_folder(path: str | Path) -> Iterator[Path]:
+    """Yield a draft of a folder, whose files are moved into the folder at the end."""
+    folder = Path(path)
+    try:
+        is_new = not folder.exists()
+        folder.mkdir(exist_ok=True)
+        if any(folder.iterdir()):
+            raise ParameterError("folder", str(path), "a new folder, or an empty one")
+    except OSError as error:
+        bound = f"a folder that can be written ({reason(error)})"
+        raise ParameterError("folder", str(path), bound) from error
+    try:
+        with TemporaryDirectory(dir=folder) as name:
+            draft = Path(name)
+            yield draft
+            for each in sorted(draft.iterdir()):
+                each.rename(folder / each.name)
+    except BaseException as error:
+        if is_new:
+            with suppress(OSError):
+                folder.rmdir()
+        if isinstance(error, OSError) and not isinstance(error, OutputError):
+            raise OutputError(folder, reason(error)) from error
+        raise
+
+
+def _write_engine(
+    draft: Path, runtime: str | Path | None, program: Program | None
+) -> dict[str, Any]:
+    """Write the worker, and all that it loads from the folder; what the page tells it."""
+    local = None if runtime is None else Path(runtime)
+    contents = {f"wheels/{name}": content for name, content in wheels(local)}
+    if local is not None:
+        for name, content in copied_runtime(local):
+            place = "wheels" if name.endswith(".whl") else "pyodide"
+            contents[f"{place}/{name}"] = content
+    if program is not None:
+        contents |= {f"files/{name}": content for name, content in program.files.items()}
+    for name, content in contents.items():
+        (draft / name).parent.mkdir(parents=True, exist_ok=True)
+        (draft / name).write_bytes(content)
+    (draft / "worker.js").write_bytes(asset(__package__, "assets/worker.js").encode())
+    return {
+        "worker": "worker.js",
+        "runtime": CDN if local is None else "pyodide/",
+        "ending": "mjs" if local is None else "js",
+        "packages": PACKAGES if local is None else [],
+        "wheels": [name for name in contents if name.startswith("wheels/")],
+        "files": [] if program is None else list(program.files),
+        "program": "" if program is None else program.name,
+        "title": "",
+        "text": "",
+        "lessons": "",
+    }
+
+
+def _write_page(path: Path, title: str, about: str, site: dict[str, Any], picture: bytes) -> None:
+    """Write the page of a live session, with its description for those who link to it."""
+    path.with_suffix(".png").write_bytes(picture)
+    site = site | {"picture": data_address(picture, "image/png")}
+    rules = "; worker-src 'self'"
+    page, _ = live_page(title, language(), about or title, embedded_json(site), rules)
+    tags = f'<meta name="description" content="{escape(about or title)}">\n'
+    image = path.with_suffix(".png").name
+    for name, value in {"title": title, "description": about, "image": image}.items():
+        tags += f'<meta property="og:{name}" content="{escape(value)}">\n'
+    path.write_bytes(page.replace("<title>", f"{tags}<title>", 1).encode())
