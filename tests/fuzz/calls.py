@@ -16,7 +16,7 @@ import pymunk
 from PIL import Image
 
 import pymunk_dragon as dragons
-from pymunk_dragon import lessons, reports, studies
+from pymunk_dragon import lessons, publish, reports, studies
 from pymunk_dragon.collision import Grid, first_contact, scan, separation
 from pymunk_dragon.drawing import Camera, Film, figures, render, still_png
 from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog
@@ -426,6 +426,24 @@ CALLS = {
     "write_player": (
         dragons.write_player,
         {"run": ONE_RUN, "path": file(".html"), "title": (None, "text none")},
+    ),
+    # The right call is one that is refused at once: the folder is no copy of Pyodide.
+    "publish_program": (
+        publish.publish_program,
+        {
+            "program": ("program.py", "text path"),
+            "folder": ("new", "text path"),
+            "include": ([], "texts empty"),
+            "runtime": (".", "text path none"),
+        },
+    ),
+    "publish_site": (
+        publish.publish_site,
+        {
+            "folder": ("new", "text path"),
+            "runtime": (".", "text path"),
+            "progress": (FUNCTION, "function"),
+        },
     ),
     # Studies. The right call is one that is refused at once: a search takes seconds.
     "min_pitch": (

@@ -19,9 +19,11 @@ function post(content, bytes) {
   postMessage({ ...posted, bytes: buffer }, [buffer]);
 }
 
-async function load({ runtime, ending, packages, wheels, files, program, scene }) {
+async function load({ runtime, packages = [], wheels, files, program = "", scene }) {
   postMessage({ stage: 1 });
   const base = new URL(runtime, self.location.href).href;
+  // Some servers give .mjs a wrong type; Pyodide's own does not.
+  const ending = packages.length > 0 ? "mjs" : "js";
   const archives = Promise.all(wheels.map(read));
   const contents = Promise.all(files.map((name) => read(`files/${name}`)));
   const [{ loadPyodide }, { default: createPyodideModule }] = await Promise.all([

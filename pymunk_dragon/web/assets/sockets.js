@@ -93,7 +93,7 @@ class WorkerSocket extends PostedSocket {
   /** @param {Site} site @param {(loading: Loading) => void} loaded */
   constructor(site, loaded) {
     super();
-    this.worker = new Worker(site.worker, { type: "module" });
+    this.worker = new Worker("worker.js", { type: "module" });
     this.worker.onmessage = ({ data }) => {
       if (data.stage === undefined && !data.failure) this.take(data);
       else loaded(data);
