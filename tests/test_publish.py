@@ -26,7 +26,8 @@ from conftest import assert_one_line
 
 import pymunk_dragon
 from pymunk_dragon.errors import DragonError
-from pymunk_dragon.publish import publish_program, publish_site, runtime, worker
+from pymunk_dragon.publish import runtime, worker
+from pymunk_dragon.publish.site import publish_program, publish_site
 from pymunk_dragon.sessions.live import Live
 
 PROGRAM = '''"""A ball above a floor
@@ -378,7 +379,7 @@ def test_page_plays_a_program_shows_its_fault_and_stops_one_that_hangs(program, 
 @pytest.mark.thorough
 @needs_browser
 def test_site_plays_a_scene_of_a_link_and_one_of_a_lesson(pyodide, tmp_path, monkeypatch):
-    lessons = {name: pymunk_dragon.lessons.LESSONS[name] for name in ("sat", "tension")}
+    lessons = {name: pymunk_dragon.lessons.LESSONS[name] for name in ("tension", "engine")}
     monkeypatch.setattr("pymunk_dragon.publish.site.LESSONS", lessons)
     publish_site(tmp_path / "site", runtime=pyodide)
     with served(tmp_path / "site") as address, chromium() as browser:
@@ -393,10 +394,14 @@ def test_site_plays_a_scene_of_a_link_and_one_of_a_lesson(pyodide, tmp_path, mon
             wait_until(page, "live.scene.name === 'cradle' && live.frame?.time > 0")
             assert found.complaints == []
 
-        with opened(browser, f"{address}#tension") as found:
+        # One worker plays one experiment after the other.
+        with opened(browser, address) as found:
             page = found.page
-            page.click("#tension .open-unguessed")
-            frame = page.wait_for_selector("#tension iframe").content_frame()
-            wait_until(frame, "globalThis.live?.frame?.time > 0")
-            assert frame.evaluate("live.scene.name") == "tension"
+            for name, lesson in lessons.items():
+                page.click(f"#{name} .open-unguessed")
+                frame = page.wait_for_selector(f"#{name} iframe").content_frame()
+                wait_until(frame, "globalThis.live?.frame?.time > 0")
+                assert frame.evaluate("live.scene.name") == lesson.options["scene"]
+                assert len(page.workers) == 1
+            assert page.locator("iframe").count() == 1
             assert found.complaints == []

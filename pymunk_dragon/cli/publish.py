@@ -30,7 +30,7 @@ def publish(places: tuple[str, ...], include: tuple[str, ...], offline: str | No
 
     The program calls `live`. The engine runs in the reader's browser, and nothing on the server.
     """
-    from pymunk_dragon.publish import publish_program, publish_site
+    from pymunk_dragon.publish.site import publish_program, publish_site
 
     if len(places) not in (1, 2) or (include and len(places) == 1):
         raise click.UsageError(

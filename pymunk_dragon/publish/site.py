@@ -24,6 +24,8 @@ from pymunk_dragon.sessions.page import live_page
 from pymunk_dragon.sessions.scenes import named_scene
 from pymunk_dragon.web.html import asset, data_address, embedded_json, substituted
 
+__all__ = ["publish_program", "publish_site"]
+
 # Pages of the site beside the lessons: titles and addresses.
 _PAGES = {"Live scenes": "live.html", "A recorded run": "player.html"}
 # Title and text of the page of scenes.

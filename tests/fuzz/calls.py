@@ -16,10 +16,11 @@ import pymunk
 from PIL import Image
 
 import pymunk_dragon as dragons
-from pymunk_dragon import lessons, publish, reports, studies
+from pymunk_dragon import lessons, reports, studies
 from pymunk_dragon.collision import Grid, first_contact, scan, separation
 from pymunk_dragon.drawing import Camera, Film, figures, render, still_png
 from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog
+from pymunk_dragon.publish import site
 
 # Values, each with the kinds that it has. A whole number is also a number, and that is also an
 # array.
@@ -429,7 +430,7 @@ CALLS = {
     ),
     # The right call is one that is refused at once: the folder is no copy of Pyodide.
     "publish_program": (
-        publish.publish_program,
+        site.publish_program,
         {
             "program": ("program.py", "text path"),
             "folder": ("new", "text path"),
@@ -438,7 +439,7 @@ CALLS = {
         },
     ),
     "publish_site": (
-        publish.publish_site,
+        site.publish_site,
         {
             "folder": ("new", "text path"),
             "runtime": (".", "text path"),
