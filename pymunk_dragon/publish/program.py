@@ -64,7 +64,7 @@ def read_program(path: str | Path, include: Sequence[str | Path] = ()) -> Progra
         raise ParameterError("include", error.filename, f"a file ({error.strerror})") from error
     title, _, text = (ast.get_docstring(tree) or path.stem).partition("\n")
     text = " ".join(text.split()) or "A space that Pymunk plays in this page."
-    return Program(path.name, contents, title.rstrip("."), text, _picture(path))
+    return Program(path.name, contents, title, text, _picture(path))
 
 
 def _parsed(path: Path) -> ast.Module:
@@ -73,7 +73,7 @@ def _parsed(path: Path) -> ast.Module:
     try:
         return ast.parse(source, str(path))
     except (SyntaxError, ValueError) as error:
-        raise FileFormatError(path, str(error)) from error
+        raise FileFormatError(path, f"no program of Python: {error}") from error
 
 
 def _imports(tree: ast.Module) -> Iterator[tuple[int, str]]:
