@@ -13,7 +13,7 @@ PLANK = 0.8
 SLOPE = 0.3  # rad, at the start
 
 
-def build(planks=12, strength=900.0):
+def build(planks=12, strength=2000.0):
     space = pymunk.Space()
     space.gravity = 0, -9.81
     space.iterations = 30
@@ -69,7 +69,7 @@ def largest(space):
 
 controls = [
     Slider("planks", 6, 24, rebuilds=True, whole=True),
-    Slider("strength", 300, 3000, rebuilds=True, unit="N"),
+    Slider("strength", 500, 6000, rebuilds=True, unit="N"),
     Button("Drop a ball", drop),
 ]
 plots = {"largest force (N)": largest}
