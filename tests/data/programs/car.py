@@ -16,7 +16,7 @@ keys = {"speed": 0}
 def build(stiffness=400.0, grip=1.5):
     space = pymunk.Space()
     space.gravity = 0, -9.81
-    heights = [0.7 * math.sin(0.45 * x) * min(1, abs(x) / 8) for x in range(-10, 81)]
+    heights = [0.7 * math.sin(0.45 * x) * min(1, abs(x) / 8) for x in range(-10, 31)]
     for i, (left, right) in enumerate(itertools.pairwise(heights)):
         ground = pymunk.Segment(space.static_body, (i - 10, left), (i - 9, right), 0.1)
         ground.friction = 1.0

@@ -28,13 +28,13 @@ def build(rows=8, balls=150, elasticity=0.3):
     wall(space, (middle - width, end + 250), (middle + width, end + 250))
     wall(space, (middle - width, end), (middle - 12, top - 30))
     wall(space, (middle + width, end), (middle + 12, top - 30))
-    wall(space, (middle - 12, top - 30), (middle - 120, -600))
-    wall(space, (middle + 12, top - 30), (middle + 120, -600))
+    wall(space, (middle - 12, top - 30), (middle - 160, -200))
+    wall(space, (middle + 12, top - 30), (middle + 160, -200))
 
     chance = random.Random(4)
     for i in range(balls):
         ball = pymunk.Body(1, 20)
-        ball.position = middle + chance.uniform(-40, 40), top - 200 - 12 * (i // 4)
+        ball.position = middle + chance.uniform(-60, 60), top - 120 - 12 * (i // 8)
         shape = pymunk.Circle(ball, 5)
         shape.elasticity = elasticity
         space.add(ball, shape)
