@@ -15,8 +15,9 @@ from pymunk_dragon.publish.site import publish_program
 
 DATA = Path(__file__).parent / "data/programs"
 PROGRAMS = sorted(DATA.glob("*.py"))
-# A copy of Pyodide.
+# A copy of Pyodide, and a folder with the names of its files.
 pyodide = test_publish.pyodide
+copy = test_publish.copy
 
 
 @pytest.mark.parametrize("path", PROGRAMS, ids=lambda path: path.stem)
@@ -128,3 +129,20 @@ def test_fault_in_the_first_step_is_shown_with_its_line(pyodide, tmp_path):
         assert "AttributeError" in shown
         assert f"fault.py, line {number}: for joint in space.joints:" in shown
         assert found.complaints == []
+
+
+@pytest.mark.thorough
+@needs_browser
+def test_page_says_that_its_server_does_not_answer(copy, tmp_path):
+    publish_program(DATA / "cradle.py", tmp_path / "site", runtime=copy)
+    with (
+        served(tmp_path / "site") as address,
+        chromium() as browser,
+        opened(browser, address) as found,
+    ):
+        page = found.page
+        page.context.set_offline(True)
+        page.click("#begin-play")
+        wait_until(page, "document.getElementById('begin-text').textContent.includes('answer')")
+        # One may try again.
+        assert page.is_visible("#begin-play")
