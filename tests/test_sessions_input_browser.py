@@ -14,7 +14,7 @@ from test_sessions_browser import PLACE, shown
 from test_sessions_input import ball, keep_queries
 
 from pymunk_dragon.physics.readings import body_at
-from pymunk_dragon.sessions.controls import Key, PygameEvents
+from pymunk_dragon.sessions.controls import Button, Key, PygameEvents, Slider
 from pymunk_dragon.sessions.live import source_of
 from pymunk_dragon.sessions.scene import PlaySettings
 
@@ -240,6 +240,30 @@ def test_key_whose_name_changes_with_shift_is_released(browser):
         wait_until(page, "!live.state.running")
         # What was sent before has taken effect.
         assert told == ["down", "up"]
+
+
+def test_slider_and_button_that_a_key_has_reached_keep_their_keys(browser):
+    told = []
+    controls = [
+        Slider("pull", 0, 10, 5, action=lambda space, value: told.append("pull")),
+        Button("Push", lambda space: told.append("push")),
+        Key("ArrowRight", lambda space: told.append("right")),
+        Key(" ", lambda space: told.append("space")),
+    ]
+    settings = PlaySettings(controls=controls)
+    with shown(browser, source_of(pymunk.Space, settings)) as (_, page):
+        page.keyboard.press("Tab")
+        page.focus("#parameters input")
+        page.keyboard.press("ArrowRight")
+        page.focus("#actions button")
+        page.keyboard.press("Space")
+        page.focus("#field")
+        page.keyboard.press("ArrowRight")
+        page.keyboard.press("Space")
+        page.click("#play")
+        wait_until(page, "!live.state.running")
+        # What was sent before has taken effect.
+        assert told == ["pull", "push", "right", "space"]
 
 
 def test_finger_is_the_left_button_and_two_move_the_view(browser, monkeypatch):

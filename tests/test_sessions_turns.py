@@ -200,6 +200,19 @@ def test_error_in_a_function_of_the_users_pauses_and_is_sent_once(where):
     assert len(on.page.texts("error")) == 1
 
 
+def test_error_of_what_a_client_does_again_is_sent_again():
+    def build(balls=3):
+        return falling() if balls < 5 else 1 / 0
+
+    controls = [Slider("balls", 1, 9, rebuilds=True), Button("b", lambda space: 1 / 0)]
+    on = Turns(space_scene(build, PlaySettings(step=STEP, controls=controls)))
+    for _ in range(2):
+        # The page that hears of a scene again shows no error.
+        assert len(on.do("set", name="balls", value=5)) == 1
+    for _ in range(2):
+        assert len(on.do("press", name="b", down=True)) == 1
+
+
 def test_session_is_stopped_by_its_own_button():
     on = Turns(ball_scene(controls=[Button("Stop", lambda space: on.session.stop())]))
     on.run(0.1)

@@ -131,6 +131,7 @@ class DrawRecorder(pymunk.SpaceDebugDrawOptions):
         self.calls: list[DrawCall] = []
         self._error: Exception | None = None
         self._shape: pymunk.Shape | None = None
+        self._contact_colour: Colour | None = None
 
     def color_for_shape(self, shape: pymunk.Shape) -> Colour:
         """Colour of the shape that Chipmunk draws next: its own, or that of its kind of body."""
@@ -154,8 +155,8 @@ class DrawRecorder(pymunk.SpaceDebugDrawOptions):
 
     def draw_segment(self, a: _Point, b: _Point, color: Colour) -> None:
         """Record a line of a constraint or, if it has the colour of collision points, a contact."""
-        contact = color == self.collision_point_color != self.constraint_color
-        self.calls.append(DrawCall("contact" if contact else "line", (a, b), 0.0, color))
+        name = "contact" if color == self._contact_colour else "line"
+        self.calls.append(DrawCall(name, (a, b), 0.0, color))
 
     def draw_fat_segment(
         self, a: _Point, b: _Point, radius: float, outline_color: Colour, fill_color: Colour
@@ -181,6 +182,9 @@ class DrawRecorder(pymunk.SpaceDebugDrawOptions):
         self.calls = []
         self._error = None
         self._shape = None
+        # Read once: a spring is 14 lines.
+        colour = self.collision_point_color
+        self._contact_colour = None if colour == self.constraint_color else colour
         self._view = self.transform
         self.transform = pymunk.Transform.identity()
 

@@ -64,7 +64,7 @@ def read_program(path: str | Path, include: Sequence[str | Path] = ()) -> Progra
         raise ParameterError("include", error.filename, f"a file ({error.strerror})") from error
     title, _, text = (ast.get_docstring(tree) or path.stem).partition("\n")
     text = " ".join(text.split()) or "A space that Pymunk plays in this page."
-    return Program(path.name, contents, title, text, _picture(path))
+    return Program(path.name, contents, title.rstrip("."), text, _picture(path))
 
 
 def _parsed(path: Path) -> ast.Module:

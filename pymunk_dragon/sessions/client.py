@@ -159,9 +159,12 @@ class Clients:
             self._state = state
             self.tell(state)
 
-    def tell_failure(self, failure: dict[str, Any]) -> bool:
-        """Send an error, also to those that join later; whether it was not sent before."""
-        is_new = failure != self._failure
+    def tell_failure(self, failure: dict[str, Any], *, again: bool) -> bool:
+        """Send an error, also to those that join later; whether it was sent.
+
+        The error that was sent last is only sent `again` if it has to be.
+        """
+        is_new = again or failure != self._failure
         if is_new:
             self._failure = failure
             self.tell(failure)

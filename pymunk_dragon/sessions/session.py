@@ -331,8 +331,9 @@ class Session:
             failure = described(error)
             if answer is not None and isinstance(error, DragonError):
                 answer(failure)
-            # An error is sent once, and not again in each frame of a session that it paused.
-            elif self.clients.tell_failure(failure):
+            # An error is sent once, and not again in each frame of a session that it paused; one in
+            # what a client does is sent each time.
+            elif self.clients.tell_failure(failure, again=answer is not None):
                 self._fail(error)
             if raises:
                 raise

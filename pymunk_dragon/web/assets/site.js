@@ -60,7 +60,9 @@ function beginEngine(live) {
 /** @type {(live: Live, loading: Loading) => void} */
 function showLoading(live, { stage, failure }) {
   if (failure) {
-    const { text, place } = failure;
+    const { place } = failure;
+    // A worker whose script does not come gives no reason.
+    const text = failure.text || localized("the server does not answer");
     showHindrance(localized("The engine could not begin: {text}", { text }));
     if (place) live.showError(failure);
     return;

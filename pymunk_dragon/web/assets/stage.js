@@ -153,8 +153,11 @@ function listenToKeys(actions, takes = () => false) {
     const key = event.key.toLowerCase();
     // With one of these keys another is the browser's.
     const isOwn = !(event.ctrlKey || event.metaKey || event.altKey) || MODIFIERS.test(key);
-    if (!isOwn || element("about").open || takes(event)) return;
-    if (!actions[key] || keepsKey(event.target, key, tabbed)) return;
+    if (!isOwn || element("about").open) return;
+    const kept = keepsKey(event.target, key, tabbed);
+    // An element that a key has reached also keeps the keys of a program.
+    if (!(kept && tabbed) && takes(event)) return;
+    if (!actions[key] || kept) return;
     event.preventDefault();
     if (!event.repeat || REPEATED.test(key)) actions[key](event);
   });
