@@ -1,7 +1,7 @@
 """The command line.
 
-Every command but `report` and `demo` takes the same dragon and curve, as flags or as a file
-(`pymunk_dragon.model.scenario`). Lists are `0,60,120` or `0:300:1`, with both ends. `-o FILE`
+Every command but `report`, `demo` and `publish` takes the same dragon and curve, as flags or as a
+file (`pymunk_dragon.model.scenario`). Lists are `0,60,120` or `0:300:1`, with both ends. `-o FILE`
 writes a file, whose ending chooses the format. `--json` prints one JSON object on stdout and
 nothing else there; progress and messages go to stderr. `--lang zh`, or `PYMUNK_DRAGON_LANG=zh` in
 the environment, chooses Chinese for results, pictures, pages and lessons; help and errors are
@@ -46,7 +46,7 @@ COMMANDS = {
     "sweep": "Compute a quantity at many values of parameters, in parallel.",
     "demo": "Play a lesson.",
     "live": "Play the dragon in real time, and touch it in a browser.",
-    "publish": "Write a folder for the web: lessons and scenes, or a program that calls `live`.",
+    "publish": "Write a folder for the web: lessons and scenes, or your program.",
 }
 # Environment variable by which a shell requests completions, as Click names it.
 _COMPLETE_VARIABLE = "_PYMUNK_DRAGON_COMPLETE"

@@ -26,11 +26,11 @@ from pymunk_dragon.cli.output import progress
     help="Folder with a copy of Pyodide, which is put into FOLDER: the page needs no other server.",
 )
 def publish(places: tuple[str, ...], include: tuple[str, ...], offline: str | None) -> None:
-    """Write a folder for a web server: lessons and scenes, or your program that calls `live`.
+    """Write a folder for the web: lessons and scenes, or your program.
 
-    The engine runs in the browser of the reader, and nothing on the server.
+    The program calls `live`. The engine runs in the reader's browser, and nothing on the server.
     """
-    from pymunk_dragon.publish import publish_program, publish_site
+    from pymunk_dragon.publish.site import publish_program, publish_site
 
     if len(places) not in (1, 2) or (include and len(places) == 1):
         raise click.UsageError(

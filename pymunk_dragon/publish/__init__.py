@@ -2,7 +2,3 @@
 
 Pyodide runs this package and Pymunk in a worker of the page; the server only has files.
 """
-
-from pymunk_dragon.publish.site import publish_program, publish_site
-
-__all__ = ["publish_program", "publish_site"]

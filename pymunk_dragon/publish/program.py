@@ -10,12 +10,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NoReturn
 
+from pymunk_dragon._checks import instance, instances
 from pymunk_dragon._files import read_text
 from pymunk_dragon.drawing.debug_draw import still
-from pymunk_dragon.errors import DragonError, FileFormatError, ParameterError
+from pymunk_dragon.errors import FileFormatError, ParameterError
 from pymunk_dragon.sessions.live import Live
 from pymunk_dragon.sessions.scene import Scene
-from pymunk_dragon.sessions.session import Session
+from pymunk_dragon.sessions.session import Session, described
 
 # Modules of Python that Pyodide 314.0 does not have.
 _MISSING = """
@@ -41,28 +42,29 @@ class Program:
 
 def read_program(path: str | Path, include: Sequence[str | Path] = ()) -> Program:
     """The program in a file, which is run until it calls `live`; errors name what it lacks."""
-    path = Path(path)
+    path = Path(instance("program", path, str | Path, "a path"))
     files = {path.name: path}
-    for each in map(Path, include):
-        inside = each.is_relative_to(path.parent)
-        files[each.relative_to(path.parent).as_posix() if inside else each.name] = each
-    contents = {}
-    for name, file in files.items():
-        try:
-            contents[name] = file.read_bytes()
-        except OSError as error:
-            raise ParameterError("include", str(file), f"a readable file ({error})") from error
+    for each in instances("include", include, str | Path, "a sequence of paths"):
+        file = Path(each)
+        inside = file.is_relative_to(path.parent)
+        files[file.relative_to(path.parent).as_posix() if inside else file.name] = file
 
     own = {name.partition("/")[0].removesuffix(".py") for name in files}
     tree = _parsed(path)
     for file in files.values():
         if file.suffix == ".py":
             _check_imports(file, own)
-    if not _calls_live(tree):
-        raise DragonError(f"{path} does not call live, which shows its space on a page")
+    names = {getattr(node, "id", getattr(node, "attr", "")) for node in ast.walk(tree)}
+    if "live" not in names:
+        raise FileFormatError(path, "has no call of live, which shows a space on a page")
 
+    try:
+        contents = {name: file.read_bytes() for name, file in files.items()}
+    except OSError as error:
+        raise ParameterError("include", error.filename, f"a file ({error.strerror})") from error
     title, _, text = (ast.get_docstring(tree) or path.stem).partition("\n")
-    return Program(path.name, contents, title, " ".join(text.split()), _picture(path))
+    text = " ".join(text.split()) or "A space that Pymunk plays in this page."
+    return Program(path.name, contents, title, text, _picture(path))
 
 
 def _parsed(path: Path) -> ast.Module:
@@ -74,21 +76,13 @@ def _parsed(path: Path) -> ast.Module:
         raise FileFormatError(path, f"line {line}: {getattr(error, 'msg', error)}") from error
 
 
-def _calls_live(tree: ast.Module) -> bool:
-    """Whether a program has a call of `live`, also by the name of its module."""
-    calls = (node.func for node in ast.walk(tree) if isinstance(node, ast.Call))
-    return any("live" in (getattr(each, "id", ""), getattr(each, "attr", "")) for each in calls)
-
-
 def _imports(tree: ast.Module) -> Iterator[tuple[int, str]]:
     """Lines and names of the modules that a program imports; names from modules may be modules."""
     for node in ast.walk(tree):
-        if isinstance(node, ast.Import):
+        if isinstance(node, ast.Import | ast.ImportFrom) and not getattr(node, "level", 0):
+            module = getattr(node, "module", None)
             for each in node.names:
-                yield node.lineno, each.name
-        elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
-            for each in node.names:
-                yield node.lineno, f"{node.module}.{each.name}"
+                yield node.lineno, f"{module}.{each.name}" if module else each.name
 
 
 def _check_imports(path: Path, own: set[str]) -> None:
@@ -121,16 +115,18 @@ def _picture(path: Path) -> bytes:
     except _Shown as shown:
         scene = shown.session.scene
     except (Exception, SystemExit) as error:
-        raise DragonError(f"{path} fails: {type(error).__name__}: {error}") from error
+        failure = described(error)
+        reason = f"{failure.get('place', 'fails')}: {failure['text']}"
+        raise FileFormatError(path, reason) from error
     else:
-        raise DragonError(f"{path} does not call live")
+        raise FileFormatError(path, "ends without a call of live")
     finally:
         Live.made_by = None
         sys.path[:] = before
 
     if scene.manual:
-        rule = "makes its steps itself (step=None), which a page cannot do"
-        raise DragonError(f"{path} {rule}: give live a step")
+        rule = "makes its steps itself (step=None), which a page cannot do: give live a step"
+        raise FileFormatError(path, rule)
     return picture_of(scene)
 
 

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from base64 import urlsafe_b64encode
 from collections.abc import Iterator
-from hashlib import sha256
 from importlib.metadata import distribution, version
 from importlib.resources import files
 from pathlib import Path
@@ -22,8 +20,13 @@ CDN = "https://cdn.jsdelivr.net/pyodide/v314.0.7/full/"
 PACKAGES = ("numpy", "cffi", "pillow")
 # Platform of the wheels for this Pyodide, as pip names it.
 _PLATFORM = "pyemscripten_2026_0_wasm32"
-# Version of Python of this Pyodide.
-_PYTHON = "3.14"
+# What pip does for that platform and its version of Python.
+_DOWNLOAD = f"""
+    download --no-deps --only-binary=:all: --implementation cp --python-version 3.14 --abi cp314
+    --platform {_PLATFORM}
+"""
+# What a wheel says of itself.
+_WHEEL = "Wheel-Version: 1.0\nGenerator: pymunk_dragon\nRoot-Is-Purelib: true\nTag: py3-none-any\n"
 # Files of Pyodide, and their names in a published folder: some servers give .mjs a wrong type.
 _FILES = {
     "pyodide.mjs": "pyodide.js",
@@ -34,13 +37,24 @@ _FILES = {
 }
 
 
-def copied_runtime(runtime: Path) -> Iterator[tuple[str, bytes]]:
-    """Names and contents of the files of a local copy of Pyodide; an error names one it lacks."""
-    for name, published in _FILES.items():
-        yield published, _found(runtime, name).read_bytes()
-    for name in PACKAGES:
-        wheel = _found(runtime, f"{name}-*{_PLATFORM}.whl")
-        yield wheel.name, wheel.read_bytes()
+def engine_files(runtime: Path | None) -> Iterator[tuple[str, bytes]]:
+    """Places in a published folder, and contents, of all that its pages load from there."""
+    if runtime is not None:
+        for name, published in _FILES.items():
+            yield f"pyodide/{published}", _found(runtime, name).read_bytes()
+        for name in PACKAGES:
+            wheel = _found(runtime, f"{name}-*{_PLATFORM}.whl")
+            yield f"wheels/{wheel.name}", wheel.read_bytes()
+
+    pattern = f"pymunk-{version('pymunk')}-*{_PLATFORM}.whl"
+    with TemporaryDirectory() as name:
+        folder = Path(name)
+        if runtime is None or not any(runtime.glob(pattern)):
+            _download(folder)
+            runtime = folder
+        _write_own(folder / f"pymunk_dragon-{__version__}-py3-none-any.whl")
+        for wheel in (_found(runtime, pattern), *folder.glob("pymunk_dragon-*")):
+            yield f"wheels/{wheel.name}", wheel.read_bytes()
 
 
 def _found(runtime: Path, pattern: str) -> Path:
@@ -51,29 +65,14 @@ def _found(runtime: Path, pattern: str) -> Path:
     raise ParameterError("offline", str(runtime), bound)
 
 
-def wheels(runtime: Path | None) -> Iterator[tuple[str, bytes]]:
-    """Names and contents of the wheels of Pymunk, from the local copy or by pip, and of this."""
-    pattern = f"pymunk-{version('pymunk')}-*{_PLATFORM}.whl"
-    with TemporaryDirectory() as folder:
-        known = list(runtime.glob(pattern)) if runtime else []
-        wheel = known[0] if known else _downloaded(Path(folder), pattern)
-        yield wheel.name, wheel.read_bytes()
-        own = Path(folder, f"pymunk_dragon-{__version__}-py3-none-any.whl")
-        _write_own(own)
-        yield own.name, own.read_bytes()
-
-
-def _downloaded(folder: Path, pattern: str) -> Path:
-    """The wheel of Pymunk's own version, which pip downloads into a folder."""
-    options = f"--no-deps --only-binary=:all: --python-version {_PYTHON} --implementation cp"
-    abi = f"--abi cp{_PYTHON.replace('.', '')} --platform {_PLATFORM}"
-    command = [sys.executable, "-m", "pip", "download", *options.split(), *abi.split()]
-    command += ["--dest", str(folder), f"pymunk=={version('pymunk')}"]
+def _download(folder: Path) -> None:
+    """Download the wheel of Pymunk's present version into a folder, by pip."""
+    command = [sys.executable, "-m", "pip", *_DOWNLOAD.split(), "--dest", str(folder)]
+    command.append(f"pymunk=={version('pymunk')}")
     done = subprocess.run(command, capture_output=True, encoding="utf-8", errors="replace")
-    for path in folder.glob(pattern):
-        return path
-    reason = (done.stderr.strip().splitlines() or ["no reason"])[-1]
-    raise DragonError(f"pip cannot download the wheel {pattern}: {reason}")
+    if done.returncode:
+        reason = done.stderr.strip().splitlines()[-1]
+        raise DragonError(f"pip cannot download the wheel of Pymunk for {_PLATFORM}: {reason}")
 
 
 def _write_own(path: Path) -> None:
@@ -82,20 +81,15 @@ def _write_own(path: Path) -> None:
     assert isinstance(package, Path)  # It is not in an archive.
     about = f"pymunk_dragon-{__version__}.dist-info"
     metadata = distribution("pymunk-dragon").read_text("METADATA") or ""
-    contents = {f"{about}/METADATA": metadata.encode()}
-    wheel = (
-        "Wheel-Version: 1.0\nGenerator: pymunk_dragon\nRoot-Is-Purelib: true\nTag: py3-none-any\n"
-    )
-    contents[f"{about}/WHEEL"] = wheel.encode()
-    for file in sorted(package.rglob("*")):
-        if file.is_file() and "__pycache__" not in file.parts:
-            contents[file.relative_to(package.parent).as_posix()] = file.read_bytes()
-
-    record = f"{about}/RECORD,,\n"
-    for name, content in contents.items():
-        digest = urlsafe_b64encode(sha256(content).digest()).decode().rstrip("=")
-        record += f"{name},sha256={digest},{len(content)}\n"
-    contents[f"{about}/RECORD"] = record.encode()
+    contents = {f"{about}/METADATA": metadata, f"{about}/WHEEL": _WHEEL}
+    record = ""
     with ZipFile(path, "w", ZIP_DEFLATED) as archive:
+        for file in sorted(package.rglob("*")):
+            if file.is_file() and "__pycache__" not in file.parts:
+                name = file.relative_to(package.parent).as_posix()
+                archive.write(file, name)
+                record += f"{name},,\n"
         for name, content in contents.items():
             archive.writestr(name, content)
+            record += f"{name},,\n"
+        archive.writestr(f"{about}/RECORD", f"{record}{about}/RECORD,,\n")

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from html import escape
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+from pymunk_dragon._checks import function, instance
 from pymunk_dragon._files import reason
 from pymunk_dragon._language import language
 from pymunk_dragon.errors import OutputError, ParameterError
@@ -17,11 +18,13 @@ from pymunk_dragon.lessons._framework.page import run_page
 from pymunk_dragon.model.march import March
 from pymunk_dragon.physics.simulation import simulate
 from pymunk_dragon.player import write_player
-from pymunk_dragon.publish.program import Program, picture_of, read_program
-from pymunk_dragon.publish.runtime import CDN, PACKAGES, copied_runtime, wheels
+from pymunk_dragon.publish.program import picture_of, read_program
+from pymunk_dragon.publish.runtime import CDN, PACKAGES, engine_files
 from pymunk_dragon.sessions.page import live_page
 from pymunk_dragon.sessions.scenes import named_scene
-from pymunk_dragon.web.html import asset, data_address, embedded_json
+from pymunk_dragon.web.html import asset, data_address, embedded_json, substituted
+
+__all__ = ["publish_program", "publish_site"]
 
 # Pages of the site beside the lessons: titles and addresses.
 _PAGES = {"Live scenes": "live.html", "A recorded run": "player.html"}
@@ -63,8 +66,9 @@ def publish_site(
     --------
     >>> publish_site("site")  # doctest: +SKIP
     """
+    function("progress", progress)
     with _new_folder(folder) as draft:
-        site = _write_engine(draft, runtime, None) | {"lessons": "index.html"}
+        site = _write_engine(draft, runtime, {}) | {"lessons": "index.html"}
         scene = named_scene("dragon").build({})
         _write_page(draft / "live.html", _SCENES, _ABOUT, site, picture_of(scene))
         write_player(simulate(March(), start=_RUN_START), draft / "player.html")
@@ -109,75 +113,67 @@ def publish_program(
     """
     with _new_folder(folder) as draft:
         found = read_program(program, include)
-        site = _write_engine(draft, runtime, found) | {"title": found.title, "text": found.text}
+        site = _write_engine(draft, runtime, found.files) | {
+            "program": found.name,
+            "title": found.title,
+            "text": found.text,
+        }
         _write_page(draft / "index.html", found.title, found.text, site, found.picture)
 
 
 @contextmanager
 def _new_folder(path: str | Path) -> Iterator[Path]:
     """Yield a draft of a folder, whose files are moved into the folder at the end."""
-    folder = Path(path)
+    folder = Path(instance("folder", path, str | Path, "a path"))
+    is_new = not folder.exists()
     try:
-        is_new = not folder.exists()
         folder.mkdir(exist_ok=True)
-        if any(folder.iterdir()):
-            raise ParameterError("folder", str(path), "a new folder, or an empty one")
-    except OSError as error:
+        draft = TemporaryDirectory(dir=folder)
+    except (OSError, ValueError) as error:
         bound = f"a folder that can be written ({reason(error)})"
         raise ParameterError("folder", str(path), bound) from error
     try:
-        with TemporaryDirectory(dir=folder) as name:
-            draft = Path(name)
-            yield draft
-            for each in sorted(draft.iterdir()):
+        with draft as name:
+            if len([*folder.iterdir()]) > 1:
+                raise ParameterError("folder", str(path), "a new folder, or an empty one")
+            yield Path(name)
+            for each in sorted(Path(name).iterdir()):
                 each.rename(folder / each.name)
-    except BaseException as error:
+    except OSError as error:
+        raise OutputError(folder, reason(error)) from error
+    finally:
+        # A new folder that has remained empty.
         if is_new:
             with suppress(OSError):
                 folder.rmdir()
-        if isinstance(error, OSError) and not isinstance(error, OutputError):
-            raise OutputError(folder, reason(error)) from error
-        raise
 
 
 def _write_engine(
-    draft: Path, runtime: str | Path | None, program: Program | None
+    draft: Path, runtime: str | Path | None, files: Mapping[str, bytes]
 ) -> dict[str, Any]:
-    """Write the worker, and all that it loads from the folder; what the page tells it."""
-    local = None if runtime is None else Path(runtime)
-    contents = {f"wheels/{name}": content for name, content in wheels(local)}
-    if local is not None:
-        for name, content in copied_runtime(local):
-            place = "wheels" if name.endswith(".whl") else "pyodide"
-            contents[f"{place}/{name}"] = content
-    if program is not None:
-        contents |= {f"files/{name}": content for name, content in program.files.items()}
+    """Write the worker and all files that it loads; what the page tells it."""
+    local = None if runtime is None else Path(instance("offline", runtime, str | Path, "a path"))
+    contents = dict(engine_files(local))
+    site: dict[str, Any] = {"runtime": "pyodide/"}
+    if local is None:
+        site = {"runtime": CDN, "packages": PACKAGES}
+    site |= {"wheels": [name for name in contents if name.endswith(".whl")], "files": list(files)}
+
+    contents |= {f"files/{name}": content for name, content in files.items()}
+    contents["worker.js"] = asset(__package__, "assets/worker.js").encode()
     for name, content in contents.items():
         (draft / name).parent.mkdir(parents=True, exist_ok=True)
         (draft / name).write_bytes(content)
-    (draft / "worker.js").write_bytes(asset(__package__, "assets/worker.js").encode())
-    return {
-        "worker": "worker.js",
-        "runtime": CDN if local is None else "pyodide/",
-        "ending": "mjs" if local is None else "js",
-        "packages": PACKAGES if local is None else [],
-        "wheels": [name for name in contents if name.startswith("wheels/")],
-        "files": [] if program is None else list(program.files),
-        "program": "" if program is None else program.name,
-        "title": "",
-        "text": "",
-        "lessons": "",
-    }
+    return site
 
 
 def _write_page(path: Path, title: str, about: str, site: dict[str, Any], picture: bytes) -> None:
     """Write the page of a live session, with its description for those who link to it."""
-    path.with_suffix(".png").write_bytes(picture)
+    image = path.with_suffix(".png")
+    image.write_bytes(picture)
     site = site | {"picture": data_address(picture, "image/png")}
     rules = "; worker-src 'self'"
-    page, _ = live_page(title, language(), about or title, embedded_json(site), rules)
-    tags = f'<meta name="description" content="{escape(about or title)}">\n'
-    image = path.with_suffix(".png").name
-    for name, value in {"title": title, "description": about, "image": image}.items():
-        tags += f'<meta property="og:{name}" content="{escape(value)}">\n'
-    path.write_bytes(page.replace("<title>", f"{tags}<title>", 1).encode())
+    page, _ = live_page(title, language(), about, embedded_json(site), rules)
+    words = {"title": escape(title), "about": escape(about), "image": image.name}
+    head = substituted(asset(__package__, "assets/about.html").strip(), **words)
+    path.write_bytes(page.replace("<title>", head, 1).encode())

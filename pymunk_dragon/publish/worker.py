@@ -44,10 +44,7 @@ class _Handle(Live):
         """What a program prints as the address."""
         return "this page"
 
-    @property
-    def watch_address(self) -> str:
-        """What a program prints as the address of those who watch."""
-        return "this page"
+    watch_address = address
 
     def stop(self) -> None:
         """Do nothing: the session goes on when the program has ended."""

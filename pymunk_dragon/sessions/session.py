@@ -480,7 +480,7 @@ def _ignored(error: dict[str, Any]) -> None:
     """Take no notice of an error."""
 
 
-def described(error: Exception) -> dict[str, Any]:
+def described(error: BaseException) -> dict[str, Any]:
     """An exception as a message.
 
     An exception in a function of the user's has its line and the end of the traceback in addition.

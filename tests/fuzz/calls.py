@@ -20,6 +20,7 @@ from pymunk_dragon import lessons, reports, studies
 from pymunk_dragon.collision import Grid, first_contact, scan, separation
 from pymunk_dragon.drawing import Camera, Film, figures, render, still_png
 from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog
+from pymunk_dragon.publish import site
 
 # Values, each with the kinds that it has. A whole number is also a number, and that is also an
 # array.
@@ -426,6 +427,24 @@ CALLS = {
     "write_player": (
         dragons.write_player,
         {"run": ONE_RUN, "path": file(".html"), "title": (None, "text none")},
+    ),
+    # The right call is one that is refused at once: the folder is no copy of Pyodide.
+    "publish_program": (
+        site.publish_program,
+        {
+            "program": ("program.py", "text path"),
+            "folder": ("new", "text path"),
+            "include": ([], "texts empty"),
+            "runtime": (".", "text path none"),
+        },
+    ),
+    "publish_site": (
+        site.publish_site,
+        {
+            "folder": ("new", "text path"),
+            "runtime": (".", "text path"),
+            "progress": (FUNCTION, "function"),
+        },
     ),
     # Studies. The right call is one that is refused at once: a search takes seconds.
     "min_pitch": (

@@ -36,7 +36,7 @@ PACKAGES = [
     ".lessons",
     ".model.curves",
 ]
-PACKAGES += [".physics", ".player", ".reports", ".sessions", ".studies", ".sweeps"]
+PACKAGES += [".physics", ".player", ".publish.site", ".reports", ".sessions", ".studies", ".sweeps"]
 # Not called: errors; records that functions of the package make; base classes; and what takes other
 # functions of the package, or the arguments of Pymunk's drawing.
 RECORDS = "Contact ContactEvent ContactLog FirstContact NearMiss Separation States Sweep Summary"

@@ -160,11 +160,10 @@ interface Listeners {
 
 /** What a published page says of itself and for its worker. */
 interface Site {
-  worker: string;
-  title: string;
-  text: string;
+  title?: string;
+  text?: string;
   picture: string;
-  lessons: string;
+  lessons?: string;
 }
 
 /** How far the worker of a published page is. */

@@ -129,6 +129,9 @@ def make_page(
     """
     stages = [found.lesson.path.with_suffix(".js") for found in recordings]
     own = [stage.read_text(encoding="utf-8") for stage in stages if stage.exists()]
+    rules = "; frame-src 'self'" * (live or site is not None)
+    if site is not None:
+        rules += "; worker-src 'self'"
     script = "\n".join([*scripts("lab"), *own, *scripts("lessons")])
     styles = (asset(__package__, name) for name in STYLES)
     style = "\n".join([colour_variables(), *styles])
@@ -143,7 +146,7 @@ def make_page(
         spiral=_spiral(),
         lessons=[_values(recording, live) for recording in recordings],
         site=site or {},
-        policy=policy(style, script) + "; frame-src 'self'" * (live or site is not None),
+        policy=policy(style, script) + rules,
         style=style,
         script=script,
     )

@@ -19,9 +19,12 @@ function post(content, bytes) {
   postMessage({ ...posted, bytes: buffer }, [buffer]);
 }
 
-async function load({ runtime, ending, packages, wheels, files, program, scene }) {
+// Load Python and all it needs; the function that begins a session.
+async function load({ runtime, packages = [], wheels, files }) {
   postMessage({ stage: 1 });
   const base = new URL(runtime, self.location.href).href;
+  // Some servers give .mjs a wrong type; Pyodide's own does not.
+  const ending = packages.length > 0 ? "mjs" : "js";
   const archives = Promise.all(wheels.map(read));
   const contents = Promise.all(files.map((name) => read(`files/${name}`)));
   const [{ loadPyodide }, { default: createPyodideModule }] = await Promise.all([
@@ -31,7 +34,8 @@ async function load({ runtime, ending, packages, wheels, files, program, scene }
   const python = await loadPyodide({ indexURL: base, createPyodideModule });
 
   postMessage({ stage: 2 });
-  if (packages.length > 0) await python.loadPackage(packages);
+  const quiet = { messageCallback: () => {} };
+  if (packages.length > 0) await python.loadPackage(packages, quiet);
   for (const archive of await archives) python.unpackArchive(archive, "wheel");
   for (const [i, content] of (await contents).entries()) {
     const path = FOLDER + files[i];
@@ -40,18 +44,28 @@ async function load({ runtime, ending, packages, wheels, files, program, scene }
   }
 
   postMessage({ stage: 3 });
-  const { begin } = python.pyimport("pymunk_dragon.publish.worker");
-  postMessage({ stage: 4 });
-  return begin(post, program, scene);
+  return python.pyimport("pymunk_dragon.publish.worker").begin;
 }
 
-self.onmessage = async ({ data: site }) => {
+let loading = null; // the function that begins a session, when it is there
+let page = null; // what takes the messages of the page
+
+// An object is a page that begins, also in place of another one, whose session ends.
+self.onmessage = async ({ data }) => {
+  if (typeof data !== "object") {
+    page?.take_post(data);
+    return;
+  }
   try {
-    const page = await load(site);
-    if (!page) return; // What went wrong has been posted.
-    self.onmessage = ({ data }) => page.take_post(data);
-    page.take_post(0);
+    loading ??= load(data);
+    const begin = await loading;
+    page?.session.leave(page);
+    page?.session.stop();
+    postMessage({ stage: 4 });
+    page = begin(post, data.program ?? "", data.scene) ?? null;
+    page?.take_post(0);
   } catch (error) {
+    loading = null;
     postMessage({ failure: { text: String(error) } });
   }
 };

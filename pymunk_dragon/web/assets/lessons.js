@@ -59,6 +59,32 @@ function openScene(stage) {
   stage.replaceChildren(frame);
 }
 
+// The worker of a published page, for one experiment after the other.
+/** @type {Worker | null} */
+let engine = null;
+
+window.addEventListener("message", ({ source, data }) => {
+  const frame = document.querySelector("iframe");
+  if (!source || source !== frame?.contentWindow) return;
+  if (data.ends) {
+    engine?.terminate();
+    engine = null;
+    return;
+  }
+  if (!engine) {
+    /** @type {(posted: unknown) => void} */
+    const pass = (posted) =>
+      document.querySelector("iframe")?.contentWindow?.postMessage(posted, location.origin);
+    engine = new Worker("worker.js", { type: "module" });
+    engine.onmessage = (event) => pass(event.data);
+    engine.onerror = ({ message }) => {
+      engine = null;
+      pass({ failure: { text: message ?? "" } });
+    };
+  }
+  engine.postMessage(data);
+});
+
 // The course of a lesson: guess, experiment, answer.
 for (const lesson of /** @type {NodeListOf<HTMLElement>} */ (
   document.querySelectorAll(".lesson")

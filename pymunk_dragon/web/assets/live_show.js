@@ -59,7 +59,7 @@ function showScene(live) {
 // otherwise the command that shows it.
 /** @type {(scene: LiveScene) => void} */
 function showLesson({ lesson }) {
-  const here = SITE ? SITE.lessons !== "" : location.pathname.endsWith("/live");
+  const here = SITE ? Boolean(SITE.lessons) : location.pathname.endsWith("/live");
   const link = element("lesson");
   const option = language === "en" ? "" : ` --lang ${language}`;
   const command = `pymunk-dragon demo --live ${lesson}${option}`;

@@ -7,7 +7,7 @@ const SET = "set."; // before the name of a slider in a link
 const STAGE = new URLSearchParams(location.hash.slice(1)).get("stage");
 
 // Why this browser cannot run the engine here; empty if it can.
-function obstacle() {
+function hindrance() {
   if (location.protocol === "file:") {
     return localized(
       "The engine cannot run in a page that is opened as a file:" +
@@ -35,16 +35,16 @@ function connectSite(live) {
     element("stuck").hidden = !live.connection.stuck;
     if (!STAGE && live.state) rememberAddress(stateLink(live));
   }, LOOK_EVERY);
-  const why = obstacle();
-  if (why) showObstacle(why);
+  const why = hindrance();
+  if (why) showHindrance(why);
   else if (STAGE) beginEngine(live);
 }
 
 /** @type {(why: string) => void} */
-function showObstacle(why) {
+function showHindrance(why) {
   element("begin").hidden = false;
   setText("begin-text", why);
-  element("begin-play").hidden = obstacle() !== "";
+  element("begin-play").hidden = hindrance() !== "";
   element("loading").hidden = true;
   element("begin-alone").hidden = self.origin !== "null" || location.protocol === "file:";
   element("begin-alone").href = location.href;
@@ -61,7 +61,7 @@ function beginEngine(live) {
 function showLoading(live, { stage, failure }) {
   if (failure) {
     const { text, place } = failure;
-    showObstacle(localized("The engine could not begin: {text}", { text }));
+    showHindrance(localized("The engine could not begin: {text}", { text }));
     if (place) live.showError(failure);
     return;
   }

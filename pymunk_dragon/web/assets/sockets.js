@@ -88,22 +88,47 @@ class WidgetSocket extends PostedSocket {
   }
 }
 
+// The worker of the page around this frame, which has one for all its frames; used like a worker.
+class WorkerAround {
+  constructor() {
+    /** @type {(event: { data: any }) => void} */
+    this.onmessage = () => {};
+    /** @type {(event: { message?: string }) => void} */
+    this.onerror = () => {};
+    /** @type {(event: MessageEvent) => unknown} */
+    this.read = ({ source, data }) => source === parent && this.onmessage({ data });
+    window.addEventListener("message", this.read);
+  }
+
+  /** @type {(content: unknown) => void} */
+  postMessage(content) {
+    parent.postMessage(content, location.origin);
+  }
+
+  terminate() {
+    window.removeEventListener("message", this.read);
+    this.postMessage({ ends: true });
+  }
+}
+
 // A worker of this page, which loads Python and has the session. `loaded` gets what it says before.
 class WorkerSocket extends PostedSocket {
   /** @param {Site} site @param {(loading: Loading) => void} loaded */
   constructor(site, loaded) {
     super();
-    this.worker = new Worker(site.worker, { type: "module" });
-    this.worker.onmessage = ({ data }) => {
+    const link = new URLSearchParams(location.hash.slice(1));
+    const stage = link.get("stage");
+    /** @type {any} */
+    this.worker = stage ? new WorkerAround() : new Worker("worker.js", { type: "module" });
+    this.worker.onmessage = (/** @type {MessageEvent} */ { data }) => {
       if (data.stage === undefined && !data.failure) this.take(data);
       else loaded(data);
     };
-    this.worker.onerror = ({ message }) => {
+    this.worker.onerror = (/** @type {ErrorEvent} */ { message }) => {
       loaded({ failure: { text: message ?? "" } });
       this.close();
     };
-    const link = new URLSearchParams(location.hash.slice(1));
-    this.post({ ...site, scene: link.get("stage") ?? link.get("scene") ?? "" });
+    this.post({ ...site, scene: stage ?? link.get("scene") ?? "" });
   }
 
   /** @type {(content: unknown) => void} */

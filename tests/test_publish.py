@@ -1,0 +1,407 @@
+"""Published pages: what a folder holds, what is refused, and the session in a page's worker."""
+
+from __future__ import annotations
+
+import asyncio
+import builtins
+import functools
+import http.server
+import io
+import json
+import os
+import re
+import shutil
+import sys
+import threading
+import zipfile
+from contextlib import contextmanager
+from importlib.metadata import version
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+from browser import chromium, needs_browser, opened, wait_until
+from bs4 import BeautifulSoup
+from conftest import assert_one_line
+
+import pymunk_dragon
+from pymunk_dragon.errors import DragonError
+from pymunk_dragon.publish import runtime, worker
+from pymunk_dragon.publish.site import publish_program, publish_site
+from pymunk_dragon.sessions.live import Live
+
+PROGRAM = '''"""A ball above a floor
+
+Drop it.
+"""
+
+import pymunk
+from helper import RADIUS
+
+from pymunk_dragon import Button, Slider, live
+
+
+def build(height=2.0):
+    space = pymunk.Space()
+    space.gravity = 0, -9.81
+    body = pymunk.Body(1, 1)
+    body.position = 0, height
+    floor = pymunk.Segment(space.static_body, (-2, 0), (2, 0), 0.1)
+    space.add(body, pymunk.Circle(body, RADIUS), floor)
+    return space
+
+
+def divide(space):
+    return 1 / 0
+
+
+def hang(space):
+    while True:
+        pass
+
+
+controls = [Slider("height", 1, 3, rebuilds=True), Button("Divide", divide), Button("Hang", hang)]
+with live(build, step=1 / 240, controls=controls) as session:
+    input(f"{session.address} {session.watch_address} shows it; Enter ends it. ")
+'''
+# What the worker loads of Pyodide, and the name of a wheel for it.
+PYODIDE = ["pyodide.mjs", "pyodide.asm.mjs", "pyodide.asm.wasm", "python_stdlib.zip"]
+PYODIDE += ["pyodide-lock.json"]
+TAG = "cp314-cp314-pyemscripten_2026_0_wasm32.whl"
+PYMUNK = f"pymunk-{version('pymunk')}-{TAG}"
+# Where tests find Pyodide.
+NPM = Path(__file__).parent / "node/node_modules/pyodide"
+RUNTIME = Path(os.environ.get("PYODIDE_RUNTIME") or NPM)
+WHEELS = os.environ.get("PYODIDE_WHEELS")
+
+
+@pytest.fixture
+def program(tmp_path):
+    """A program in a file, with a module beside it."""
+    file = tmp_path / "work" / "ball.py"
+    file.parent.mkdir()
+    file.write_text(PROGRAM)
+    file.with_name("helper.py").write_text("RADIUS = 0.3\n")
+    return file
+
+
+@pytest.fixture
+def copy(tmp_path):
+    """A folder with files named as those of a copy of Pyodide; each holds its name."""
+    folder = tmp_path / "copy"
+    folder.mkdir()
+    for name in (*PYODIDE, PYMUNK, f"numpy-2-{TAG}", f"cffi-2-{TAG}", f"pillow-12-{TAG}"):
+        (folder / name).write_text(name)
+    return folder
+
+
+def site_of(page):
+    """What a page tells its worker."""
+    return json.loads(BeautifulSoup(page.read_text("utf-8"), "html.parser").find(id="site").text)
+
+
+# ---- the folder
+
+
+def test_folder_has_all_that_its_page_loads(program, copy, tmp_path):
+    folder = tmp_path / "site"
+    publish_program(program, folder, include=[program.with_name("helper.py")], runtime=copy)
+    site = site_of(folder / "index.html")
+    assert (site["runtime"], site["program"]) == ("pyodide/", "ball.py")
+    assert site["files"] == ["ball.py", "helper.py"]
+    assert (folder / "files/ball.py").read_text() == PROGRAM
+    # Some servers give .mjs a wrong type.
+    for name in PYODIDE:
+        published = folder / "pyodide" / name.replace(".mjs", ".js")
+        assert published.read_text() == name
+    names = {Path(wheel).name.partition("-")[0] for wheel in site["wheels"]}
+    assert names == {"numpy", "cffi", "pillow", "pymunk", "pymunk_dragon"}
+    assert all((folder / wheel).is_file() for wheel in site["wheels"])
+    assert (folder / "worker.js").is_file()
+
+
+def test_page_has_the_title_and_the_text_of_the_program_and_keeps_to_its_own_server(
+    program, copy, tmp_path
+):
+    publish_program(
+        program, tmp_path / "site", include=[program.with_name("helper.py")], runtime=copy
+    )
+    page = BeautifulSoup((tmp_path / "site/index.html").read_text("utf-8"), "html.parser")
+    assert (page.title.text, page.find(id="text").text) == ("A ball above a floor", "Drop it.")
+    assert page.find("meta", {"name": "description"})["content"] == "Drop it."
+    picture = page.find("meta", property="og:image")["content"]
+    assert (tmp_path / "site" / picture).read_bytes().startswith(b"\x89PNG")
+    policy = page.find("meta", {"http-equiv": "Content-Security-Policy"})["content"]
+    assert {"worker-src 'self'", "connect-src 'self'"} <= set(policy.split("; "))
+
+
+def test_folder_has_a_whole_wheel_of_this_package(program, copy, tmp_path):
+    publish_program(
+        program, tmp_path / "site", include=[program.with_name("helper.py")], runtime=copy
+    )
+    (wheel,) = (tmp_path / "site/wheels").glob("pymunk_dragon-*.whl")
+    package = Path(pymunk_dragon.__file__).parent
+    with zipfile.ZipFile(io.BytesIO(wheel.read_bytes())) as archive:
+        names = archive.namelist()
+        about = f"pymunk_dragon-{pymunk_dragon.__version__}.dist-info"
+        assert (
+            f"Version: {pymunk_dragon.__version__}\n" in archive.read(f"{about}/METADATA").decode()
+        )
+        record = archive.read(f"{about}/RECORD").decode().splitlines()
+    assert sorted(line.partition(",")[0] for line in record) == sorted(names)
+    files = [file for file in package.rglob("*") if file.is_file() and file.suffix != ".pyc"]
+    assert {file.relative_to(package.parent).as_posix() for file in files} <= set(names)
+
+
+def test_page_loads_pyodide_from_its_network_where_there_is_no_copy(program, tmp_path, monkeypatch):
+    monkeypatch.setattr(runtime, "_download", lambda folder: (folder / PYMUNK).touch())
+    publish_program(program, tmp_path / "site", include=[program.with_name("helper.py")])
+    site = site_of(tmp_path / "site/index.html")
+    assert site["runtime"] == runtime.CDN
+    assert {"numpy", "pillow"} < set(site["packages"])
+    assert not (tmp_path / "site/pyodide").exists()
+
+
+# ---- what is refused: nothing of a folder is left
+
+
+LOOP = "import pymunk\nfrom pymunk_dragon import live\nlive(pymunk.Space(), step=None)\n"
+
+
+@pytest.mark.parametrize(
+    ("source", "named"),
+    [
+        ("def f(:\n    pass\n", "line 1"),
+        ("import pymunk\nspace = pymunk.Space()\n", "live"),
+        ("def f():\n    live()\n", "live"),
+        (LOOP, "step=None"),
+        ("import pygame\nlive()\n", "pygame"),
+        ("from pymunk import pygame_util\nlive()\n", "pymunk.pygame_util"),
+        ("import os\nimport scipy.optimize\nlive()\n", "line 2 imports scipy.optimize"),
+        ("import tkinter\nlive()\n", "tkinter"),
+        ("import helper\nlive()\n", "helper"),
+        ("from pymunk_dragon import live\nlive(1 / 0)\n", "ZeroDivisionError"),
+        ("from pymunk_dragon import live\nlive('nowhere')\n", "nowhere"),
+    ],
+)
+def test_program_that_a_page_cannot_play_is_refused(program, copy, tmp_path, source, named):
+    program.write_text(source)
+    with pytest.raises(DragonError, match=re.escape(named)) as refused:
+        publish_program(program, tmp_path / "site", runtime=copy)
+    assert "\n" not in str(refused.value)
+    assert not (tmp_path / "site").exists()
+    assert Live.made_by is None
+
+
+def test_folders_and_files_that_cannot_be_used_are_refused(program, copy, tmp_path):
+    full = tmp_path / "full"
+    full.mkdir()
+    (full / "notes.txt").write_text("mine")
+    for folder in (full, full / "notes.txt", tmp_path / "no" / "parent"):
+        with pytest.raises(DragonError):
+            publish_program(program, folder, runtime=copy)
+    assert [file.name for file in full.iterdir()] == ["notes.txt"]
+
+    new = tmp_path / "site"
+    with pytest.raises(DragonError, match=r"none\.png"):
+        publish_program(
+            program,
+            new,
+            include=[program.with_name("helper.py"), tmp_path / "none.png"],
+            runtime=copy,
+        )
+    (copy / "pyodide.asm.wasm").unlink()
+    with pytest.raises(DragonError, match=r"pyodide\.asm\.wasm"):
+        publish_site(new, runtime=copy)
+    assert not new.exists()
+
+
+def test_wheel_that_pip_does_not_find_is_named(program, tmp_path, monkeypatch):
+    failed = SimpleNamespace(returncode=1, stderr="WARNING: x\nERROR: no matching distribution\n")
+    monkeypatch.setattr(runtime.subprocess, "run", lambda *given, **options: failed)
+    with pytest.raises(DragonError, match="no matching distribution"):
+        publish_program(program, tmp_path / "site", include=[program.with_name("helper.py")])
+    assert not (tmp_path / "site").exists()
+
+
+def test_command_writes_a_folder_and_says_how_to_serve_it(call, program, copy, tmp_path):
+    folder = tmp_path / "my site"
+    include = ("--include", program.with_name("helper.py"))
+    code, out, err = call("publish", program, folder, *include, "--offline", copy)
+    assert (code, err) == (0, "")
+    assert f"-m http.server -d '{folder}'" in out
+    for wrong in ([], ["a", "b", "c"], [tmp_path / "new", *include], [program, folder]):
+        code, out, err = call("publish", *wrong, "--offline", copy)
+        assert (code, out) == (2, "")
+        assert_one_line(err)
+
+
+# ---- the worker's part, without a page
+
+
+class Posts:
+    """What the worker posts."""
+
+    def __init__(self):
+        self.contents = []
+
+    def __call__(self, content, *buffers):
+        self.contents.append(content)
+
+    @property
+    def messages(self):
+        return [json.loads(each["text"]) for each in self.contents if "text" in each]
+
+
+@pytest.fixture
+def post(monkeypatch):
+    monkeypatch.setattr("pymunk_dragon.sessions.session._WITHOUT_THREADS", True)
+    monkeypatch.setattr(Live, "made_by", None)
+    monkeypatch.setattr(builtins, "input", input)
+    monkeypatch.setattr(sys, "path", sys.path[:])
+    return Posts()
+
+
+def test_worker_plays_a_program_that_has_ended(program, post):
+    async def play():
+        page = worker.begin(post, str(program), "")
+        page.take_post(0)
+        while not any("frame" in each for each in post.contents):
+            await asyncio.sleep(0)
+        page.take_post(json.dumps({"do": "press", "name": "Divide", "down": True}))
+        while post.messages[-1]["kind"] != "error":
+            await asyncio.sleep(0)
+        page.session.stop()
+
+    asyncio.run(play())
+    assert post.messages[0]["kind"] == "scene"
+    assert post.messages[-1]["place"].startswith("ball.py, line 23")
+
+
+@pytest.mark.parametrize(
+    ("source", "place"), [("x = 1\n1 / 0\n", "ball.py, line 2"), ("input()\n", None)]
+)
+def test_worker_posts_why_a_program_cannot_begin(program, post, source, place):
+    program.write_text(source)
+    assert worker.begin(post, str(program), "") is None
+    (posted,) = post.contents
+    assert (posted["failure"].get("place") or "").startswith(place or "")
+
+
+def test_worker_has_the_scenes_of_lessons(post, monkeypatch):
+    monkeypatch.setattr("pymunk_dragon.sessions.scenes.SCENES", {})
+    monkeypatch.setattr(worker, "SCENES", {})
+
+    async def play():
+        page = worker.begin(post, "", "tension")
+        assert page.session.source.lesson == "tension"
+        page.session.stop()
+
+    asyncio.run(play())
+
+
+# ---- in Chromium
+
+
+@pytest.fixture(scope="module")
+def pyodide(tmp_path_factory):
+    """A copy of Pyodide with its wheels, and Pymunk's."""
+    if not (RUNTIME / "pyodide.mjs").is_file():
+        pytest.skip("no Pyodide: npm install in tests/node, or PYODIDE_RUNTIME names its folder")
+    if WHEELS is None:
+        pytest.skip("no wheels for Pyodide: PYODIDE_WHEELS names their folder")
+    folder = tmp_path_factory.mktemp("pyodide")
+    for file in (*(RUNTIME / name for name in PYODIDE), *Path(WHEELS).glob("*.whl")):
+        shutil.copy(file, folder)
+    try:
+        runtime._download(folder)
+    except DragonError as error:
+        pytest.skip(str(error))
+    return folder
+
+
+@contextmanager
+def served(folder):
+    """The address of a folder, whose server lets scripts compile WebAssembly and nothing else."""
+
+    class Handler(http.server.SimpleHTTPRequestHandler):
+        def end_headers(self):
+            if self.path.endswith(".js"):
+                rules = "script-src 'self' 'wasm-unsafe-eval'"
+                self.send_header("Content-Security-Policy", rules)
+            super().end_headers()
+
+        def log_message(self, *arguments):
+            """Print nothing."""
+
+    handler = functools.partial(Handler, directory=folder)
+    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
+        thread = threading.Thread(target=server.serve_forever)
+        thread.start()
+        try:
+            yield f"http://127.0.0.1:{server.server_port}/"
+        finally:
+            server.shutdown()
+            thread.join()
+
+
+@pytest.mark.thorough
+@needs_browser
+def test_page_plays_a_program_shows_its_fault_and_stops_one_that_hangs(program, pyodide, tmp_path):
+    publish_program(
+        program, tmp_path / "site", include=[program.with_name("helper.py")], runtime=pyodide
+    )
+    with (
+        served(tmp_path / "site") as address,
+        chromium() as browser,
+        opened(browser, address) as found,
+    ):
+        page = found.page
+        page.click("#begin-play")
+        wait_until(page, "live.frame?.time > 0.1")
+        assert page.title() == "A ball above a floor"
+        page.click("text=Divide")
+        wait_until(page, "!document.getElementById('error').hidden")
+        assert "ball.py, line 23: return 1 / 0" in page.inner_text("#error")
+
+        first = page.evaluate("live.connection.socket.worker !== null && live.scene.generation")
+        page.evaluate("globalThis.first = live.connection.socket")
+        page.click("text=Hang")
+        page.click("#stop")
+        wait_until(page, "live.connection.socket !== first && live.connection.connected")
+        assert page.evaluate("live.scene.generation") == first
+        assert {
+            each for each in found.addresses if not each.startswith((address, "data:"))
+        } == set()
+        assert found.complaints == []
+
+
+@pytest.mark.thorough
+@needs_browser
+def test_site_plays_a_scene_of_a_link_and_one_of_a_lesson(pyodide, tmp_path, monkeypatch):
+    lessons = {name: pymunk_dragon.lessons.LESSONS[name] for name in ("tension", "engine")}
+    monkeypatch.setattr("pymunk_dragon.publish.site.LESSONS", lessons)
+    publish_site(tmp_path / "site", runtime=pyodide)
+    with served(tmp_path / "site") as address, chromium() as browser:
+        link = f"{address}live.html#scene=boxes&set.rows=4&t=0.5"
+        with opened(browser, link) as found:
+            page = found.page
+            page.click("#begin-play")
+            wait_until(page, "live.frame?.time >= 0.4999")
+            assert page.evaluate("[live.state.running, live.state.values.rows]") == [False, 4]
+            wait_until(page, "location.hash === '#scene=boxes&set.rows=4&t=0.500'")
+            page.select_option("#scene", "cradle")
+            wait_until(page, "live.scene.name === 'cradle' && live.frame?.time > 0")
+            assert found.complaints == []
+
+        # One worker plays one experiment after the other.
+        with opened(browser, address) as found:
+            page = found.page
+            for name, lesson in lessons.items():
+                page.click(f"#{name} .open-unguessed")
+                frame = page.wait_for_selector(f"#{name} iframe").content_frame()
+                wait_until(frame, "globalThis.live?.frame?.time > 0")
+                assert frame.evaluate("live.scene.name") == lesson.options["scene"]
+                assert len(page.workers) == 1
+            assert page.locator("iframe").count() == 1
+            assert found.complaints == []
