@@ -4,12 +4,15 @@ The pages are made of the guides, the docstrings of the package (by pdoc), READM
 texts of the top folder, and the commands of the pictures, which the Makefile passes:
 `march.gif=render renders/march.npz` for that file of `renders/`. The pages that `make` has written
 (lessons, player, report) are copied. All links are relative, and no page requests anything from a
-network.
+network, until a program of a guide is run: its page then loads Pyodide from its CDN, or where
+PYODIDE_RUNTIME names a folder with a copy and with its wheels, from the site.
 """
 
 from __future__ import annotations
 
 import inspect
+import json
+import os
 import re
 import shutil
 import sys
@@ -25,11 +28,16 @@ import click
 from numpy.typing import ArrayLike
 from pdoc import doc, render
 from pdoc.render_helpers import to_html
+from runnable import marked
 
 import pymunk_dragon
 from pymunk_dragon.cli import COMMANDS, command
+from pymunk_dragon.errors import DragonError
 from pymunk_dragon.lessons import LESSONS
 from pymunk_dragon.lessons._framework.lesson import blocks
+from pymunk_dragon.publish.site import write_engine
+from pymunk_dragon.sessions.page import live_page
+from pymunk_dragon.web.html import embedded_json
 
 ROOT = Path(__file__).parent.parent
 RENDERS = ROOT / "renders"
@@ -82,6 +90,8 @@ COPIES = {"lessons.html": "All lessons", "march.html": "A player", "report.html"
 # Pages that list something, and their titles.
 LISTS = {"names.html": "All names", "gallery.html": "Gallery"}
 PICTURES = (".gif", ".png", ".svg")
+# The folder of what programs of the guides run with.
+ENGINE = "engine"
 # The address of a file in HTML: `src="renders/march.gif"`, `href="README.md"`.
 ADDRESS = re.compile(r'\b(href|src)="([^"#:]+)')
 # In the code of a text a module, a name or a member of one: `pymunk_dragon.physics`, `March`,
@@ -293,11 +303,28 @@ def anchors(module: doc.Module) -> set[str]:
     return {member.qualname for member in (*members, *inner)}
 
 
-def build(directory: Path, commands: Mapping[str, str], copies: Path = RENDERS) -> None:
+def engine(directory: Path, runtime: str | None) -> str | None:
+    """Write the folder with which programs run: what a page posts to its worker, as JSON."""
+    try:
+        site = write_engine(directory, runtime, {})
+    except DragonError as error:
+        click.echo(f"no program of a guide runs in its page: {error}", err=True)
+        return None
+    page, _ = live_page("A program", "en", "", embedded_json(site))
+    (directory / "live.html").write_text(page, encoding="utf-8", newline="\n")
+    return json.dumps(site)
+
+
+def build(
+    directory: Path,
+    commands: Mapping[str, str],
+    copies: Path = RENDERS,
+    runtime: str | None = None,
+) -> None:
     """Write the site to `directory`, which is made anew.
 
     `commands` has the arguments of the program that make each file of `renders/`; `copies` is the
-    folder of the pages that are copied.
+    folder of the pages that are copied; `runtime` is a folder with a copy of Pyodide.
     """
     copied = [name for name in COPIES if (copies / name).exists()]
     titles = page_titles(copied)
@@ -316,10 +343,15 @@ def build(directory: Path, commands: Mapping[str, str], copies: Path = RENDERS) 
     lists = {"names.html": names_text(), "gallery.html": gallery_text(docstrings | texts, commands)}
 
     shutil.rmtree(directory, ignore_errors=True)
+    site = engine(directory / ENGINE, runtime)
+    if site:
+        texts |= {f"{name}.html": marked(texts[f"{name}.html"]) for name in GUIDES}
+        shutil.copyfile(RENDERS / "templates" / "programs.js", directory / "programs.js")
     template = render.env.get_template("page.html.jinja2")
     for page, text in (texts | lists).items():
         language = "zh" if page.endswith(".zh.html") else "en"
-        whole = template.render(title=titles[page], content=to_html(text), current=page)
+        given = {"title": titles[page], "content": to_html(text), "current": page}
+        whole = template.render(engine=site, **given)
         write(
             directory / page,
             with_links(page, whole.replace('lang="en"', f'lang="{language}"', 1), members),
@@ -355,4 +387,8 @@ def build(directory: Path, commands: Mapping[str, str], copies: Path = RENDERS) 
 
 
 if __name__ == "__main__":
-    build(Path(sys.argv[1]), dict(argument.split("=", 1) for argument in sys.argv[2:]))
+    build(
+        Path(sys.argv[1]),
+        dict(argument.split("=", 1) for argument in sys.argv[2:]),
+        runtime=os.environ.get("PYODIDE_RUNTIME"),
+    )

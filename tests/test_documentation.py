@@ -15,6 +15,7 @@ from urllib.parse import unquote, urlsplit
 import documentation
 import numpy as np
 import pytest
+import runnable
 from browser import needs_browser, opened, wait_until
 from bs4 import BeautifulSoup
 from documents import DOCUMENTS, GUIDES, ROOT
@@ -81,7 +82,7 @@ class Page:
 
 @pytest.fixture(scope="module")
 def pages(site):
-    copies = {site / name for name in documentation.COPIES}
+    copies = {site / name for name in (*documentation.COPIES, "engine/live.html")}
     return {path: Page(path) for path in site.rglob("*.html") if path not in copies}
 
 
@@ -153,6 +154,19 @@ def test_every_committed_picture_is_described_in_a_text():
     # Not those that `make docs` copies.
     found = [*RENDERS.glob("*.[gp][in][fg]"), *RENDERS.glob("figures/*.[gp][in][fg]")]
     assert described == {path.relative_to(RENDERS).as_posix() for path in found}
+
+
+def test_programs_that_show_something_run_in_the_page_where_it_has_their_libraries():
+    found = {name: runnable.blocks(guide.text) for name, guide in GUIDES.items()}
+    running = {
+        name: [place for place, block in enumerate(blocks) if block.runs]
+        for name, blocks in found.items()
+    }
+    # Not those with imageio or matplotlib, and not those that only define functions.
+    expected = {"chains": [1, 2], "contacts": [0], "live": [0], "pictures": [0, 3]}
+    assert {name: places for name, places in running.items() if places} == expected
+    assert [block.needs for block in found["chains"]] == [[], [0], [0]]
+    assert runnable.marked(GUIDES["chains"].text).count('<div class="program"') == 3
 
 
 @pytest.mark.thorough

@@ -17,8 +17,9 @@ import zipfile
 from contextlib import contextmanager
 from importlib.metadata import version
 from pathlib import Path
-from types import SimpleNamespace
+from types import ModuleType, SimpleNamespace
 
+import documentation
 import pytest
 from browser import chromium, needs_browser, opened, wait_until
 from bs4 import BeautifulSoup
@@ -291,6 +292,9 @@ def test_worker_posts_why_a_program_cannot_begin(program, post, source, place):
 def test_worker_has_the_scenes_of_lessons(post, monkeypatch):
     monkeypatch.setattr("pymunk_dragon.sessions.scenes.SCENES", {})
     monkeypatch.setattr(worker, "SCENES", {})
+    # Not for the tests that follow.
+    for library in ("matplotlib", "matplotlib.pyplot"):
+        monkeypatch.setitem(sys.modules, library, ModuleType(library))
 
     async def play():
         page = worker.begin(post, "", "tension")
@@ -298,6 +302,16 @@ def test_worker_has_the_scenes_of_lessons(post, monkeypatch):
         page.session.stop()
 
     asyncio.run(play())
+
+
+def test_worker_runs_the_texts_of_a_program_and_posts_what_it_shows(post):
+    define = "from PIL import Image\n\ndef double(x):\n    return 2 * x\n"
+    draw = 'print(double(4))\nImage.new("RGB", (3, 2)).save("small.png")\ndouble()\n'
+    worker.run(post, [define, draw])
+    assert "".join(each.get("printed", "") for each in post.contents) == "8\n"
+    [failure] = [each["failure"] for each in post.contents if "failure" in each]
+    assert failure["place"] == "program_2.py, line 3: double()"
+    assert post.contents[-2:] == [{"picture": "small.png"}, {"ended": True}]
 
 
 # ---- in Chromium
@@ -405,3 +419,39 @@ def test_site_plays_a_scene_of_a_link_and_one_of_a_lesson(pyodide, tmp_path, mon
                 assert len(page.workers) == 1
             assert page.locator("iframe").count() == 1
             assert found.complaints == []
+
+
+@pytest.mark.thorough
+@needs_browser
+def test_programs_of_guides_are_edited_and_run_in_one_worker_of_their_page(pyodide, tmp_path):
+    documentation.build(tmp_path / "docs", {}, runtime=str(pyodide))
+    with served(tmp_path / "docs") as address, chromium() as browser:
+        with opened(browser, f"{address}contacts.html", 390, 844) as found:
+            page = found.page
+            page.click("button:text-is('Edit')")
+            save = "from PIL import Image\nImage.new('RGB', (3, 2)).save('a.png')\n"
+            page.fill("textarea", f"{save}print('hello')\n1 / 0\n")
+            page.click("button:text-is('Run')")
+            wait_until(page, "document.querySelector('.output img')?.naturalWidth === 3")
+            assert page.inner_text(".output pre").splitlines() == [
+                "hello",
+                "program_1.py, line 4: 1 / 0",
+                "ZeroDivisionError: division by zero",
+            ]
+            page.fill("textarea", "while True:\n    pass\n")
+            page.click("button:text-is('Run')")
+            page.click("button:text-is('Stop')")
+            page.fill("textarea", "print('again')\n")
+            page.click("button:text-is('Run')")
+            wait_until(page, "document.querySelector('.output')?.textContent === 'again\\n'")
+            assert len(page.workers) == 1
+            assert page.evaluate("document.documentElement.scrollWidth") == 390
+            assert all(each.startswith((address, "blob:")) for each in found.addresses)
+
+        with opened(browser, f"{address}live.html") as found:
+            page = found.page
+            page.click("button:text-is('Run')")
+            frame = page.wait_for_selector(".output iframe").content_frame()
+            wait_until(frame, "globalThis.live?.frame?.time > 0")
+            assert frame.locator("text=Kick a box").count() == 1
+            assert len(page.workers) == 1

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import runpy
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Sequence, Set
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NoReturn
@@ -52,8 +52,11 @@ def read_program(path: str | Path, include: Sequence[str | Path] = ()) -> Progra
     own = {name.partition("/")[0].removesuffix(".py") for name in files}
     tree = _parsed(path)
     for file in files.values():
-        if file.suffix == ".py":
-            _check_imports(file, own)
+        missing = missing_import(_parsed(file), own) if file.suffix == ".py" else None
+        if missing:
+            line, name = missing
+            reason = f"line {line} imports {name}, which the page does not have"
+            raise FileFormatError(file, reason)
     names = {getattr(node, "id", getattr(node, "attr", "")) for node in ast.walk(tree)}
     if "live" not in names:
         raise FileFormatError(path, "has no call of live, which shows a space on a page")
@@ -85,13 +88,13 @@ def _imports(tree: ast.Module) -> Iterator[tuple[int, str]]:
                 yield node.lineno, f"{module}.{each.name}" if module else each.name
 
 
-def _check_imports(path: Path, own: set[str]) -> None:
-    """Refuse imports of modules that the page will not have."""
+def missing_import(tree: ast.Module, own: Set[str] = frozenset()) -> tuple[int, str] | None:
+    """Line and name of the first import of a module that neither the page has nor `own` names."""
     known = own | _LIBRARIES | (sys.stdlib_module_names - set(_MISSING.split()))
-    for line, name in _imports(_parsed(path)):
+    for line, name in _imports(tree):
         if name.partition(".")[0] not in known or name.startswith(_OF_WINDOWS):
-            reason = f"line {line} imports {name}, which the page does not have"
-            raise FileFormatError(path, reason)
+            return line, name
+    return None
 
 
 class _Shown(BaseException):

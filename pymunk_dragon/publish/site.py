@@ -68,7 +68,7 @@ def publish_site(
     """
     function("progress", progress)
     with _new_folder(folder) as draft:
-        site = _write_engine(draft, runtime, {}) | {"lessons": "index.html"}
+        site = write_engine(draft, runtime, {}) | {"lessons": "index.html"}
         scene = named_scene("dragon").build({})
         _write_page(draft / "live.html", _SCENES, _ABOUT, site, picture_of(scene))
         write_player(simulate(March(), start=_RUN_START), draft / "player.html")
@@ -113,7 +113,7 @@ def publish_program(
     """
     with _new_folder(folder) as draft:
         found = read_program(program, include)
-        site = _write_engine(draft, runtime, found.files) | {
+        site = write_engine(draft, runtime, found.files) | {
             "program": found.name,
             "title": found.title,
             "text": found.text,
@@ -148,7 +148,7 @@ def _new_folder(path: str | Path) -> Iterator[Path]:
                 folder.rmdir()
 
 
-def _write_engine(
+def write_engine(
     draft: Path, runtime: str | Path | None, files: Mapping[str, bytes]
 ) -> dict[str, Any]:
     """Write the worker and all files that it loads; what the page tells it."""

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import builtins
+import io
+import os
 import runpy
 import sys
 from collections.abc import Callable, Sequence
-from contextlib import suppress
+from contextlib import chdir, redirect_stderr, redirect_stdout, suppress
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from types import ModuleType
 from typing import Any
 
@@ -50,9 +53,14 @@ class _Handle(Live):
         """Do nothing: the session goes on when the program has ended."""
 
 
-def begin(post: _Post, program: str, scene: str) -> PostedClient | None:
-    """Begin the session of a program or of a named scene; post the error if that fails."""
+def begin(post: _Post, program: str, scene: str, texts: Sequence[str] = ()) -> PostedClient | None:
+    """Begin the session of a program or of a named scene; post the error if that fails.
+
+    `texts` are written to the file of the program before.
+    """
     try:
+        if texts:
+            Path(program).write_text("\n".join(texts), "utf-8")
         session = _played(program) if program else _scene(scene or "dragon")
     except Exception as error:
         post({"failure": described(error)}, None)
@@ -98,3 +106,38 @@ def _played(program: str) -> Session:
     if not found:
         raise DragonError("the program has ended without a call of live")
     return found[0]
+
+
+class _Printed(io.TextIOBase):
+    """What a program prints, which is posted at once."""
+
+    def __init__(self, post: _Post) -> None:
+        self._post = post
+
+    def write(self, text: str) -> int:
+        """Post a text."""
+        self._post({"printed": text}, None)
+        return len(text)
+
+
+def run(post: _Post, texts: Sequence[str]) -> None:
+    """Run the texts of a program one after the other, and post what they print and draw.
+
+    The program has a folder of its own, whose pictures are posted at the end; an error has the line
+    in its own text.
+    """
+    printed = _Printed(post)
+    names: dict[str, Any] = {"__name__": "__main__"}
+    with TemporaryDirectory() as folder, chdir(folder):
+        try:
+            with redirect_stdout(printed), redirect_stderr(printed), suppress(SystemExit):
+                for number, text in enumerate(texts, 1):
+                    path = Path(f"program_{number}.py")
+                    path.write_text(text, "utf-8")
+                    exec(compile(text, path, "exec"), names)
+        except Exception as error:
+            post({"failure": described(error)}, None)
+        for name in sorted(os.listdir()):
+            if name.endswith((".gif", ".png")):
+                post({"picture": name}, Path(name).read_bytes())
+    post({"ended": True}, None)

@@ -19,7 +19,7 @@ function post(content, bytes) {
   postMessage({ ...posted, bytes: buffer }, [buffer]);
 }
 
-// Load Python and all it needs; the function that begins a session.
+// Load Python and all it needs; the module that begins sessions and runs programs.
 async function load({ runtime, packages = [], wheels, files }) {
   postMessage({ stage: 1 });
   const base = new URL(runtime, self.location.href).href;
@@ -36,7 +36,9 @@ async function load({ runtime, packages = [], wheels, files }) {
   postMessage({ stage: 2 });
   const quiet = { messageCallback: () => {} };
   if (packages.length > 0) await python.loadPackage(packages, quiet);
-  for (const archive of await archives) python.unpackArchive(archive, "wheel");
+  // Not into the working directory, which a program may change.
+  const extractDir = python.pyimport("site").getsitepackages().get(0);
+  for (const archive of await archives) python.unpackArchive(archive, "wheel", { extractDir });
   for (const [i, content] of (await contents).entries()) {
     const path = FOLDER + files[i];
     python.FS.mkdirTree(path.slice(0, path.lastIndexOf("/")));
@@ -44,13 +46,14 @@ async function load({ runtime, packages = [], wheels, files }) {
   }
 
   postMessage({ stage: 3 });
-  return python.pyimport("pymunk_dragon.publish.worker").begin;
+  return python.pyimport("pymunk_dragon.publish.worker");
 }
 
-let loading = null; // the function that begins a session, when it is there
+let loading = null; // the module that begins a session, when it is there
 let page = null; // what takes the messages of the page
 
-// An object is a page that begins, also in place of another one, whose session ends.
+// An object is a page that begins, also in place of another one, whose session ends; or the texts
+// of a program, of which what it prints and its pictures are posted.
 self.onmessage = async ({ data }) => {
   if (typeof data !== "object") {
     page?.take_post(data);
@@ -58,11 +61,16 @@ self.onmessage = async ({ data }) => {
   }
   try {
     loading ??= load(data);
-    const begin = await loading;
+    const { begin, run } = await loading;
     page?.session.leave(page);
     page?.session.stop();
+    page = null;
     postMessage({ stage: 4 });
-    page = begin(post, data.program ?? "", data.scene) ?? null;
+    if (data.texts && !data.program) {
+      run(post, data.texts);
+      return;
+    }
+    page = begin(post, data.program ?? "", data.scene, data.texts) ?? null;
     page?.take_post(0);
   } catch (error) {
     loading = null;
