@@ -393,7 +393,7 @@ def test_page_plays_a_program_shows_its_fault_and_stops_one_that_hangs(program, 
 @pytest.mark.thorough
 @needs_browser
 def test_site_plays_a_scene_of_a_link_and_one_of_a_lesson(pyodide, tmp_path, monkeypatch):
-    lessons = {name: pymunk_dragon.lessons.LESSONS[name] for name in ("tension", "engine")}
+    lessons = {name: pymunk_dragon.lessons.LESSONS[name] for name in ("tension", "callbacks")}
     monkeypatch.setattr("pymunk_dragon.publish.site.LESSONS", lessons)
     publish_site(tmp_path / "site", runtime=pyodide)
     with served(tmp_path / "site") as address, chromium() as browser:
