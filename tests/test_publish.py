@@ -14,6 +14,7 @@ import shutil
 import sys
 import threading
 import zipfile
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from importlib.metadata import version
 from pathlib import Path
@@ -21,7 +22,7 @@ from types import ModuleType, SimpleNamespace
 
 import documentation
 import pytest
-from browser import chromium, needs_browser, opened, wait_until
+from browser import needs_browser, opened, wait_until
 from bs4 import BeautifulSoup
 from conftest import assert_one_line
 
@@ -263,6 +264,12 @@ def post(monkeypatch):
     return Posts()
 
 
+def in_a_loop(play):
+    """Run a coroutine function; the browser of other tests has a loop in this thread."""
+    with ThreadPoolExecutor(1) as other:
+        other.submit(lambda: asyncio.run(play())).result()
+
+
 def test_worker_plays_a_program_that_has_ended(program, post):
     async def play():
         page = worker.begin(post, str(program), "")
@@ -274,7 +281,7 @@ def test_worker_plays_a_program_that_has_ended(program, post):
             await asyncio.sleep(0)
         page.session.stop()
 
-    asyncio.run(play())
+    in_a_loop(play)
     assert post.messages[0]["kind"] == "scene"
     assert post.messages[-1]["place"].startswith("ball.py, line 23")
 
@@ -301,7 +308,7 @@ def test_worker_has_the_scenes_of_lessons(post, monkeypatch):
         assert page.session.source.lesson == "tension"
         page.session.stop()
 
-    asyncio.run(play())
+    in_a_loop(play)
 
 
 def test_worker_runs_the_texts_of_a_program_and_posts_what_it_shows(post):
@@ -361,13 +368,14 @@ def served(folder):
 
 @pytest.mark.thorough
 @needs_browser
-def test_page_plays_a_program_shows_its_fault_and_stops_one_that_hangs(program, pyodide, tmp_path):
+def test_page_plays_a_program_shows_its_fault_and_stops_one_that_hangs(
+    browser, program, pyodide, tmp_path
+):
     publish_program(
         program, tmp_path / "site", include=[program.with_name("helper.py")], runtime=pyodide
     )
     with (
         served(tmp_path / "site") as address,
-        chromium() as browser,
         opened(browser, address) as found,
     ):
         page = found.page
@@ -392,11 +400,11 @@ def test_page_plays_a_program_shows_its_fault_and_stops_one_that_hangs(program, 
 
 @pytest.mark.thorough
 @needs_browser
-def test_site_plays_a_scene_of_a_link_and_one_of_a_lesson(pyodide, tmp_path, monkeypatch):
+def test_site_plays_a_scene_of_a_link_and_one_of_a_lesson(browser, pyodide, tmp_path, monkeypatch):
     lessons = {name: pymunk_dragon.lessons.LESSONS[name] for name in ("tension", "callbacks")}
     monkeypatch.setattr("pymunk_dragon.publish.site.LESSONS", lessons)
     publish_site(tmp_path / "site", runtime=pyodide)
-    with served(tmp_path / "site") as address, chromium() as browser:
+    with served(tmp_path / "site") as address:
         link = f"{address}live.html#scene=boxes&set.rows=4&t=0.5"
         with opened(browser, link) as found:
             page = found.page
@@ -423,9 +431,11 @@ def test_site_plays_a_scene_of_a_link_and_one_of_a_lesson(pyodide, tmp_path, mon
 
 @pytest.mark.thorough
 @needs_browser
-def test_programs_of_guides_are_edited_and_run_in_one_worker_of_their_page(pyodide, tmp_path):
+def test_programs_of_guides_are_edited_and_run_in_one_worker_of_their_page(
+    browser, pyodide, tmp_path
+):
     documentation.build(tmp_path / "docs", {}, runtime=str(pyodide))
-    with served(tmp_path / "docs") as address, chromium() as browser:
+    with served(tmp_path / "docs") as address:
         with opened(browser, f"{address}contacts.html", 390, 844) as found:
             page = found.page
             page.click("button:text-is('Edit')")

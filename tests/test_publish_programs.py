@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 import test_publish
-from browser import chromium, needs_browser, opened, wait_until
+from browser import needs_browser, opened, wait_until
 from test_publish import served
 
 from pymunk_dragon.errors import DragonError
@@ -30,8 +30,9 @@ def test_programs_have_all_that_their_pages_show(path):
 
 
 @pytest.mark.parametrize("content", [b"\xff\xfe", b"x = 1\0", None])
-def test_file_that_is_no_program_is_named_once(tmp_path, content):
-    path = tmp_path / "none.py"
+def test_file_that_is_no_program_is_named_once(tmp_path, monkeypatch, content):
+    monkeypatch.chdir(tmp_path)
+    path = Path("none.py")
     if content:
         path.write_bytes(content)
     with pytest.raises(DragonError) as refused:
@@ -83,11 +84,10 @@ def drag_a_body(page):
 @pytest.mark.thorough
 @needs_browser
 @pytest.mark.parametrize(("name", "width", "height"), [("car", 1280, 800), ("cradle", 390, 844)])
-def test_program_plays_on_without_a_network(name, width, height, pyodide, tmp_path):
+def test_program_plays_on_without_a_network(browser, name, width, height, pyodide, tmp_path):
     publish_program(DATA / f"{name}.py", tmp_path / "site", runtime=pyodide)
     with (
         served(tmp_path / "site") as address,
-        chromium() as browser,
         opened(browser, address, width, height) as found,
     ):
         page = found.page
@@ -111,14 +111,13 @@ def test_program_plays_on_without_a_network(name, width, height, pyodide, tmp_pa
 
 @pytest.mark.thorough
 @needs_browser
-def test_fault_in_the_first_step_is_shown_with_its_line(pyodide, tmp_path):
+def test_fault_in_the_first_step_is_shown_with_its_line(browser, pyodide, tmp_path):
     program = tmp_path / "fault.py"
     source = (DATA / "car.py").read_text("utf-8")
     program.write_text(source.replace("in space.constraints:", "in space.joints:"), "utf-8")
     publish_program(program, tmp_path / "site", runtime=pyodide)
     with (
         served(tmp_path / "site") as address,
-        chromium() as browser,
         opened(browser, address) as found,
     ):
         found.page.click("#begin-play")
@@ -133,11 +132,10 @@ def test_fault_in_the_first_step_is_shown_with_its_line(pyodide, tmp_path):
 
 @pytest.mark.thorough
 @needs_browser
-def test_page_says_that_its_server_does_not_answer(copy, tmp_path):
+def test_page_says_that_its_server_does_not_answer(browser, copy, tmp_path):
     publish_program(DATA / "cradle.py", tmp_path / "site", runtime=copy)
     with (
         served(tmp_path / "site") as address,
-        chromium() as browser,
         opened(browser, address) as found,
     ):
         page = found.page
