@@ -29,7 +29,7 @@ from pymunk_dragon.cli import status
 PHASES = set(hypothesis.Phase) - {hypothesis.Phase.explain}
 hypothesis.settings.register_profile("explore", deadline=None, print_blob=True)
 SAME = {"deadline": None, "derandomize": True, "phases": PHASES}
-hypothesis.settings.register_profile("house", **SAME, max_examples=50)
+hypothesis.settings.register_profile("house", **SAME, max_examples=30)
 hypothesis.settings.register_profile("quick", **SAME, max_examples=15)
 hypothesis.settings.load_profile("house")
 
