@@ -17,6 +17,7 @@ from pymunk_dragon.drawing.figures.style import (
     slide,
 )
 from pymunk_dragon.dynamics import pull
+from pymunk_dragon.model.run import Run
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -33,9 +34,6 @@ _TOLERANCE = 1e-8
 
 def draw(source: FigureSource) -> Figure:
     """Draw the largest position error over the step, with both rules and with slopes 1 and 2."""
-    # Drawing does without Pymunk, but for this figure.
-    from pymunk_dragon.physics import simulate
-
     march = source.march
     start = source.begin
     until = float(march.time(march.distance(start) + _DISTANCE))
@@ -50,21 +48,7 @@ def draw(source: FigureSource) -> Figure:
     smallest = np.inf
     names = text("Pymunk's step (order 1)"), text("this engine's (order 2)")
     for order, name, colour in zip((1, 2), names, (AMBER, BLUE), strict=True):
-        errors = []
-        for substep in substeps.tolist():
-            run = simulate(
-                march,
-                guide="none",
-                contacts="report",
-                start=start,
-                until=until,
-                order=order,
-                substep=substep,
-                iterations=_ITERATIONS,
-            )
-            off = run.poses[..., :2] - exact.poses_at(run.times)[..., :2]
-            errors.append(float(np.linalg.norm(off, axis=-1).max()))
-
+        errors = [_largest_error(exact, order, substep) for substep in substeps.tolist()]
         axes.loglog(substeps, errors, "o-", color=colour, lw=2.0, gid=f"order-{order}", label=name)
         slope = errors[0] * (substeps / substeps[0]) ** order
         label = text("slope {}").format(order)
@@ -77,3 +61,23 @@ def draw(source: FigureSource) -> Figure:
     axes.set(xlabel=text("substep"))
     axes.legend(**BESIDE)
     return figure
+
+
+def _largest_error(exact: Run, order: int, substep: float) -> float:
+    """Largest distance of a bench of the engine from the `exact` run, m."""
+    # Drawing does without Pymunk, but for this figure.
+    from pymunk_dragon.physics import simulate
+
+    begin, end = exact.times[[0, -1]].tolist()
+    run = simulate(
+        exact.march,
+        guide="none",
+        contacts="report",
+        start=begin,
+        until=end,
+        order=order,
+        substep=substep,
+        iterations=_ITERATIONS,
+    )
+    off = run.poses[..., :2] - exact.poses_at(run.times)[..., :2]
+    return float(np.linalg.norm(off, axis=-1).max())
