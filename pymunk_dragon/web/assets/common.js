@@ -76,21 +76,36 @@ function* rowsOf(numbers, size) {
 /** @type {(value: number, least: number, most: number) => number} */
 const bounded = (value, least, most) => Math.min(Math.max(value, least), most);
 
-// Call `action` with the newest value, at most once in `interval` ms.
-/** @type {<T>(action: (newest: T) => void, interval: number) => (value?: T) => void} */
+// Call `action` with the newest value, at most once in `interval` ms; `flush` calls it now
+// where a value waits.
+/**
+ * @type {<T>(action: (newest: T) => void, interval: number) =>
+ *   ((value?: T) => void) & { flush: () => void }}
+ */
 function throttled(action, interval) {
   /** @type {number | null} */
   let timer = null;
   /** @type {any} */
   let newest;
   let last = -interval;
+
   const run = () => {
     timer = null;
     last = performance.now();
     action(newest);
   };
-  return (value) => {
+
+  /** @type {(value?: any) => void} */
+  const later = (value) => {
     newest = value;
     timer ??= setTimeout(run, Math.max(0, last + interval - performance.now()));
   };
+
+  const flush = () => {
+    if (timer === null) return;
+    clearTimeout(timer);
+    run();
+  };
+
+  return Object.assign(later, { flush });
 }

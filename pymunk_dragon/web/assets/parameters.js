@@ -75,7 +75,11 @@ class Slider {
       this.write(this.value);
       if (!this.parameter.rebuilds) soon();
     });
-    this.input.addEventListener("change", () => this.parameter.rebuilds && message());
+    // A value that is chosen goes out before what the user does next.
+    this.input.addEventListener("change", () => {
+      if (this.parameter.rebuilds) message();
+      else soon.flush();
+    });
   }
 
   // A value of the server.
