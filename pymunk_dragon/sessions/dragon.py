@@ -70,7 +70,7 @@ class DragonScene(Scene):
         high = self._curve.max(axis=0)
         centre = (low + high) / 2
         size = high - low + march.dragon.lengths.max()
-        settings = PlaySettings(step=self.world.substep, field=(*centre, *size))
+        settings = PlaySettings(step=self.world.substep, view=(*centre, *size))
         super().__init__(self.world.space, settings)
         self.time = start
 

@@ -14,13 +14,25 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import pymunk
 
-from pymunk_dragon._checks import finite, flag, function, instance, instances, label, whole
+from pymunk_dragon._checks import (
+    MAX_COORDINATE,
+    finite,
+    flag,
+    function,
+    instance,
+    instances,
+    label,
+    numbers,
+    positive,
+    whole,
+    word,
+)
 from pymunk_dragon._extras import library
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March
 from pymunk_dragon.sessions.controls import Button, Key, PygameEvents, Slider
 from pymunk_dragon.sessions.restore import FirstState
-from pymunk_dragon.sessions.scene import PlaySettings
+from pymunk_dragon.sessions.scene import PARTS, PlaySettings
 from pymunk_dragon.sessions.scenes import SceneSource, march_scene, named_scene, space_scene
 from pymunk_dragon.sessions.session import MAX_STEP, Session
 
@@ -115,6 +127,12 @@ def live(
     controls: Sequence[Slider | Button | Key | PygameEvents] = (),
     plots: Mapping[str, Callable[[pymunk.Space], float]] | None = None,
     events: list[str] | None = None,
+    view: tuple[float, float, float, float] | None = None,
+    follow: Callable[[pymunk.Space], pymunk.Body | tuple[float, float]] | None = None,
+    title: str | None = None,
+    show: Sequence[str] | None = None,
+    on_draw: Callable[[pymunk.Space, Any], object] | None = None,
+    on_click: Callable[[pymunk.Space, pymunk.Vec2d, int], object] | None = None,
     y_down: bool = False,
     units: str = "m",
     paused: bool = False,
@@ -147,6 +165,21 @@ def live(
         Functions of the space whose values the page shows as charts, by their titles.
     events : list of str, optional
         List to which your functions append texts, which the page shows as events.
+    view : tuple of float, optional
+        Centre x, y, width and height of the area to show at first; by default that of all shapes
+        and joints.
+    follow : callable, optional
+        Function of the space that returns the body or the point at the centre of the view.
+    title : str, optional
+        Title of the page; by default the first line of the docstring of `what`.
+    show : sequence of str, optional
+        What the picture has at first beside shapes and joints: "contacts", "forces", and of a
+        dragon "curve", "exact", "handles" and "numbers". By default nothing for a space, and the
+        curve and contacts for a dragon.
+    on_draw : callable, optional
+        Function of the space and of an object that draws, which is called for each picture.
+    on_click : callable, optional
+        Function of the space, the point and the number of the button, which is called for a click.
     y_down : bool
         Whether y points down.
     units : str
@@ -198,6 +231,12 @@ def live(
         controls=controls,
         plots={} if plots is None else plots,
         events=events,
+        view=view,
+        follow=follow,
+        title=title,
+        show=show,
+        on_draw=on_draw,
+        on_click=on_click,
         y_down=y_down,
         units=units,
     )
@@ -225,8 +264,26 @@ def _check_settings(settings: PlaySettings) -> None:
     if settings.events is not None:
         instance("events", settings.events, list, "a list, to which texts are appended")
         instances("events", settings.events, str, "a list of texts")
+    if settings.view is not None:
+        _check_view(settings.view)
+    for name in ("follow", "on_draw", "on_click"):
+        if (called := getattr(settings, name)) is not None:
+            function(name, called)
+    if settings.title is not None:
+        label("title", settings.title)
+    for part in instances("show", settings.show or (), str, "a sequence of words"):
+        word("show", part, PARTS)
     flag("y_down", settings.y_down)
     label("units", settings.units)
+
+
+def _check_view(view: object) -> None:
+    """Check centre, width and height of a view."""
+    x, y, *size = numbers("view", [view], 4)[0].tolist()
+    for place in (x, y):
+        finite("view", place, -MAX_COORDINATE, MAX_COORDINATE, "")
+    for length in size:
+        positive("view", length, MAX_COORDINATE, "")
 
 
 def _check_unchanged(settings: PlaySettings) -> None:

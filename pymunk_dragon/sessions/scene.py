@@ -37,6 +37,8 @@ _HAND_SIZE = 10.0
 _HAND_BIAS = (1 - 0.15) ** 60
 # Coefficient of friction of obstacles: benches slide along them.
 _OBSTACLE_FRICTION = 0.4
+# Parts of the picture that can be shown or hidden.
+PARTS = ("contacts", "forces", "curve", "exact", "handles", "numbers")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,7 +55,14 @@ class PlaySettings:
     units: str = "m"
     # Centre, width and height of the area to show at first; by default that of all shapes and
     # joints.
-    field: tuple[float, float, float, float] | None = None
+    view: tuple[float, float, float, float] | None = None
+    # Function that returns the body or point at the centre of the view.
+    follow: Callable[[pymunk.Space], pymunk.Body | tuple[float, float]] | None = None
+    title: str | None = None
+    # Parts of the picture that are shown at first: words of `PARTS`.
+    show: Sequence[str] | None = None
+    on_draw: Callable[[pymunk.Space, Any], object] | None = None
+    on_click: Callable[[pymunk.Space, pymunk.Vec2d, int], object] | None = None
 
 
 class Scene:
@@ -107,9 +116,9 @@ class Scene:
     def fit(self) -> None:
         """Choose the area to show at first.
 
-        It is that of `PlaySettings.field`, of pygame's window, or of what is drawn.
+        It is that of `PlaySettings.view`, of pygame's window, or of what is drawn.
         """
-        field = self.settings.field or (self.pygame and self.pygame.field) or area(self.space)
+        field = self.settings.view or (self.pygame and self.pygame.field) or area(self.space)
         self.field: dict[str, list[float]] = {"centre": list(field[:2]), "size": list(field[2:])}
 
     def advance(self) -> None:

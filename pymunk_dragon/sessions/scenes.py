@@ -230,7 +230,7 @@ def _robot_arm(values: Values) -> Scene:
     return DragonScene(March(arm, Spiral(pitch=0.3), turns=3, speed=0.2), values)
 
 
-@_scene("pendulum", "A pendulum of three rods", step=1 / 240, field=(0.0, -1.0, 7.0, 5.0))
+@_scene("pendulum", "A pendulum of three rods", step=1 / 240, view=(0.0, -1.0, 7.0, 5.0))
 def _pendulum() -> pymunk.Space:
     """Pull it up and drop it. Then cut a joint."""
     space = _space()
@@ -242,7 +242,7 @@ def _pendulum() -> pymunk.Space:
     return space
 
 
-@_scene("cradle", "Newton's cradle", "engine", step=1 / 600, field=(0.0, 0.9, 5.0, 3.0))
+@_scene("cradle", "Newton's cradle", "engine", step=1 / 600, view=(0.0, 0.9, 5.0, 3.0))
 def _cradle() -> pymunk.Space:
     """One ball hits the others. How many fly off? Then take longer steps."""
     space = _space()
