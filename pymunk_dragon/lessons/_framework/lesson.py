@@ -122,7 +122,7 @@ class Lesson:
         exec(self.cells[0], found)
         return {
             "build": found["build"],
-            "field": tuple(self.options["view"]),
+            "view": tuple(self.options["view"]),
             "name": self.options["scene"],
             "title": self.texts["Title"],
             "lesson": self.name,
