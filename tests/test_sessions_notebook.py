@@ -17,7 +17,7 @@ import conftest
 import nbformat
 import pytest
 from browser import needs_browser, opened, wait_until
-from live_sessions import PATIENCE, decoded, played
+from live_sessions import PATIENCE, decoded, notebook, played
 
 if find_spec("anywidget") is None:
     pytest.skip("no anywidget: pip install 'pymunk-dragon[notebook]'", allow_module_level=True)
@@ -221,7 +221,7 @@ def test_body_is_dropped_when_its_page_begins_anew():
 
 
 def test_notebook_opens_a_port_only_for_the_address(monkeypatch, capsys):
-    python = SimpleNamespace(get_ipython=lambda: SimpleNamespace(kernel=object()))
+    python = notebook()
     with monkeypatch.context() as patch:
         patch.setitem(sys.modules, "IPython", python)
         patch.setattr(widgets, "display", lambda data, raw: shown.append(data))
@@ -240,8 +240,7 @@ def test_notebook_opens_a_port_only_for_the_address(monkeypatch, capsys):
 
 
 def test_port_that_no_computer_has_is_refused_in_a_notebook_too(monkeypatch):
-    python = SimpleNamespace(get_ipython=lambda: SimpleNamespace(kernel=object()))
-    monkeypatch.setitem(sys.modules, "IPython", python)
+    monkeypatch.setitem(sys.modules, "IPython", notebook())
     for port in (65536, -1, "8000"):
         with pytest.raises(ParameterError, match="port"), live("pendulum", port=port):
             pytest.fail("a session was started")

@@ -168,6 +168,13 @@ class Session:
         for client in self.clients:
             client.stop()
 
+    def goes_on(self, seconds: float = 0.0) -> bool:
+        """Whether a thread makes the steps: after `seconds`, or as soon as it has ended."""
+        if self._thread is None:
+            return False
+        self._thread.join(seconds)
+        return self._thread.is_alive()
+
     def join(self, client: Client) -> None:
         """Send a client all messages and frames from now on.
 
