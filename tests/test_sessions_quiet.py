@@ -10,9 +10,12 @@ import threading
 
 import pymunk
 import pytest
-from live_sessions import PATIENCE, notebook
+from conftest import refusal
+from live_sessions import PATIENCE, greeting, notebook, played
 
-from pymunk_dragon import live
+from pymunk_dragon import Dragon, March, live
+from pymunk_dragon.sessions.live import source_of
+from pymunk_dragon.sessions.scene import PlaySettings
 
 PROGRAM = """
 import sys
@@ -111,3 +114,42 @@ def test_cell_that_runs_again_ends_the_sessions_that_it_showed_before(cell, monk
         for each in running:
             each.stop()
     assert len(threads()) == before
+
+
+@pytest.mark.parametrize(
+    ("what", "show", "expected"),
+    [
+        (pymunk.Space, None, []),
+        (pymunk.Space(), ["forces"], ["forces"]),
+        (March(Dragon(benches=3)), None, ["curve", "exact", "contacts"]),
+        (March(Dragon(benches=3)), ("handles", "numbers"), ["handles", "numbers"]),
+        (None, [], []),
+        ("boxes", None, ["contacts"]),
+    ],
+)
+def test_picture_of_a_users_space_has_no_overlays_unless_the_user_chooses_some(
+    what, show, expected
+):
+    with played(source_of(what, PlaySettings(show=show))) as on:
+        [scene] = [each for each in greeting(on) if each["kind"] == "scene"]
+        assert [*scene["show"]] == expected
+
+
+@pytest.mark.parametrize("show", ["forces", ["shadows"], [3], 3])
+@pytest.mark.parametrize("what", [pymunk.Space, March()])
+def test_overlays_that_do_not_exist_are_refused(what, show):
+    assert refusal(live, what, show=show, browser=False).name == "show"
+    with live(what, show=["contacts"], paused=True, browser=False):
+        pass
+
+
+def test_users_charts_stand_first_also_in_place_of_the_spaces_own():
+    plots = {"size": lambda space: 3, "Momentum": lambda space: 4}
+    with played(source_of(pymunk.Space, PlaySettings(plots=plots))) as on:
+        [scene] = [each for each in greeting(on) if each["kind"] == "scene"]
+        titles = [title for title, _ in scene["plots"]]
+        assert titles[:2] == ["size", "Momentum"]
+        assert "Kinetic energy" in titles[2:]
+        values = on.scene.plots()
+        assert [*values] == titles
+        assert [*values.values()][:2] == [3, 4]

@@ -325,11 +325,18 @@ def _check_unchanged(settings: PlaySettings) -> None:
     """Refuse settings that a march and a named scene choose themselves."""
     usual = vars(PlaySettings())
     for name, value in vars(settings).items():
-        if value != usual[name] and value != []:  # The controls may be an empty list, too.
+        # The controls may be an empty list, too.
+        if name != "show" and value != usual[name] and value != []:
             raise ParameterError(name, value, "left out for a march and for a built-in scene")
 
 
 def source_of(what: object, settings: PlaySettings) -> SceneSource:
+    """How the scene of a march, a space, a function or a name is made, and what it shows."""
+    source = _scene_of(what, settings)
+    return source if settings.show is None else replace(source, show=settings.show)
+
+
+def _scene_of(what: object, settings: PlaySettings) -> SceneSource:
     """How the scene of a march, a space, a function or a name is made."""
     if what is None or isinstance(what, str):
         return named_scene("dragon" if what is None else what)

@@ -396,6 +396,7 @@ class Session:
             "title": source.title,
             "text": source.text,
             "lesson": source.lesson,
+            "show": self.scene.shown if source.show is None else source.show,
         }
         self.clients.tell_scene(without_nan(about | self.scene.to_dict()))
 

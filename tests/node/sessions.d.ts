@@ -47,6 +47,7 @@ interface LiveScene {
   given: boolean;
   replays: boolean;
   resets: boolean;
+  show: string[];
 }
 
 interface Obstacle {

@@ -79,14 +79,15 @@ class Pane {
   }
 
   // Axes of a chart with the ranges `across` and `up`; what is drawn next is clipped to them.
-  // `tick` writes a value, and those of the vertical axis are at least `apart` pixels apart. Only a
-  // chart with a name has values below it.
+  // `tick` writes a value, and those of the vertical axis are at least `apart` pixels apart;
+  // `tickAcross` writes a value below the chart: without a name, there are none by default.
   /** @type {(axes: ChartAxes) => void} */
   axes({
     across: [x0, x1],
     up: [y0, y1],
     name,
     tick = signed,
+    tickAcross = name ? tick : undefined,
     apart = 32,
     margins = CHART_MARGINS,
   }) {
@@ -99,7 +100,7 @@ class Pane {
     this.sy = high / (y1 - y0);
     this.left = left;
     this.ceiling = this.top + above;
-    for (const x of name ? ticks(x0, x1, this.sx / TICKS_ACROSS) : []) {
+    for (const x of tickAcross ? ticks(x0, x1, this.sx / TICKS_ACROSS) : []) {
       this.line(
         [
           [x, y0],
@@ -107,7 +108,7 @@ class Pane {
         ],
         { colour: "rule" },
       );
-      this.text([x, y0], tick(x), { dy: 15, colour: "quiet" });
+      this.text([x, y0], tickAcross?.(x) ?? "", { dy: 15, colour: "quiet" });
     }
     for (const y of ticks(y0, y1, this.sy / apart)) {
       this.line(
