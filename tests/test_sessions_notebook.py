@@ -11,7 +11,6 @@ from contextlib import contextmanager, suppress
 from contextvars import ContextVar, copy_context
 from importlib.metadata import version
 from importlib.util import find_spec
-from types import SimpleNamespace
 
 import conftest
 import nbformat

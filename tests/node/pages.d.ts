@@ -243,6 +243,7 @@ interface ChartAxes {
   tick?: Tick;
   tickAcross?: Tick;
   apart?: number;
+  apartAcross?: number;
   margins?: { left: number; right: number; above: number; below: number };
 }
 

@@ -4,6 +4,7 @@ const CHART_SECONDS = 20;
 const LONGEST_GAP = 250; // ms: a longer pause between two frames counts as this
 const MARGINS = { left: 56, right: 6, above: 6, below: 6 }; // pixels
 const ROOM_BELOW = 24; // pixels below a chart with values at its horizontal axis
+const TICKS_APART = [18, 45]; // pixels: least distances of values along the axes
 const LABEL_GAP = 12; // pixels beside the values at the vertical axis
 const CHART_EVERY = 100; // ms between two drawings of the charts
 const ERROR_KNOWN = 1e-8; // m: errors are shown to a hundredth of a micrometre.
@@ -72,7 +73,8 @@ class Chart extends Pane {
     const below = tickAcross ? ROOM_BELOW : MARGINS.below;
     const margins = { ...MARGINS, left, below };
     const times = [this.begin, this.clock];
-    this.axes({ across: across ?? times, up, tick, tickAcross, apart: 18, margins });
+    const [apart, apartAcross] = TICKS_APART;
+    this.axes({ across: across ?? times, up, tick, tickAcross, apart, apartAcross, margins });
   }
 
   /** @type {(points?: Numbers[]) => void} */

@@ -80,7 +80,8 @@ class Pane {
 
   // Axes of a chart with the ranges `across` and `up`; what is drawn next is clipped to them.
   // `tick` writes a value, and those of the vertical axis are at least `apart` pixels apart;
-  // `tickAcross` writes a value below the chart: without a name, there are none by default.
+  // `tickAcross` and `apartAcross` are those of the horizontal axis, which has no values by default
+  // if the chart has no name.
   /** @type {(axes: ChartAxes) => void} */
   axes({
     across: [x0, x1],
@@ -89,6 +90,7 @@ class Pane {
     tick = signed,
     tickAcross = name ? tick : undefined,
     apart = 32,
+    apartAcross = TICKS_ACROSS,
     margins = CHART_MARGINS,
   }) {
     const { left, right, above, below } = margins;
@@ -100,7 +102,7 @@ class Pane {
     this.sy = high / (y1 - y0);
     this.left = left;
     this.ceiling = this.top + above;
-    for (const x of tickAcross ? ticks(x0, x1, this.sx / TICKS_ACROSS) : []) {
+    for (const x of tickAcross ? ticks(x0, x1, this.sx / apartAcross) : []) {
       this.line(
         [
           [x, y0],
