@@ -353,7 +353,7 @@ class Session:
         self._end_replay(DragonError(f"the replay ends at step {self.scene.steps}: {error}"))
 
     def _show(self, now: float) -> None:
-        """Send clients the state, if it changed, and a frame, sometimes with values for charts."""
+        """Send clients the state, if it changed, values for charts, if they are due, and a frame."""
         self.clients.tell_state(self.state())
         header: dict[str, Any] = {
             "generation": self.generation,
@@ -362,7 +362,10 @@ class Session:
         }
         with self._watched():
             if self.clock.plot_is_due(now):
-                header["plots"] = list(self.scene.plots().values())
+                values = [*self.scene.plots().values()]
+                about = {"kind": "plots", "time": self.scene.time, "values": values}
+                # Not in a frame: a client need not get all of these.
+                self.clients.tell(without_nan(about))
             frame = self.scene.frame(header)
             for client in self.clients:
                 client.show(frame)

@@ -107,7 +107,6 @@ interface LiveFrame {
   waits: boolean;
   held: [number, number, number, number] | null;
   touching: number[];
-  plots?: (number | null)[];
   sizes: Record<string, number>;
   poses: Float32Array;
   exact: Float32Array;
@@ -165,6 +164,8 @@ interface Site {
   text?: string;
   picture: string;
   lessons?: string;
+  wheels?: string[];
+  scene?: string;
 }
 
 /** How far the worker of a published page is. */

@@ -139,8 +139,13 @@ class LiveCharts {
     const now = performance.now();
     this.charts.error.add(frame.errors.length ? 1000 * largestOf(frame.errors) : NaN, now);
     this.charts.step.add(1000 * frame.step_time, now);
-    const { plots } = frame;
-    if (plots) this.quantities.forEach((quantity, k) => quantity.add(frame.time, plots[k], now));
+  }
+
+  // Values of the quantities, which also come while nothing is drawn.
+  /** @type {(found: { time: number, values: (number | null)[] }) => void} */
+  addValues({ time, values }) {
+    const now = performance.now();
+    this.quantities.forEach((quantity, k) => quantity.add(time, values[k], now));
   }
 
   // The quantities as a table, one row for each time.

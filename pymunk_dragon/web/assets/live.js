@@ -103,6 +103,7 @@ class Live extends Stage {
     if (message.kind === "scene") this.setScene(message);
     if (message.kind === "state") this.setState(message);
     if (message.kind === "event") this.addEvent(message);
+    if (message.kind === "plots") this.charts.addValues(message);
     if (message.kind === "error") this.showError(message);
   }
 
@@ -116,12 +117,8 @@ class Live extends Stage {
   /** @type {(scene: LiveScene) => void} */
   setScene(scene) {
     this.showBuilding(false);
-    // A stage begins anew when it is opened.
     const isFirst = !this.scene;
     nameScene(scene);
-    if (isFirst && STAGE && !SITE && scene.role === "control") {
-      this.send({ do: "scene", name: STAGE });
-    }
     const same = this.scene?.name === scene.name;
     const anew = this.scene?.generation !== scene.generation;
     this.scene = scene;
@@ -138,9 +135,8 @@ class Live extends Stage {
     if (!same) {
       this.first = scene.parameters;
       this.setFollow("field");
-      const own = STAGE && !scene.dragon ? ["forces"] : []; // in a lesson on forces
       for (const name of LIVE_SWITCHES) {
-        this.shown[name] = [...scene.show, ...own].includes(WORDS[name] ?? name);
+        this.shown[name] = scene.show.includes(WORDS[name] ?? name);
       }
       setText("announcement", translated(scene.title));
     }

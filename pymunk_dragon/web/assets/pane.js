@@ -79,9 +79,9 @@ class Pane {
   }
 
   // Axes of a chart with the ranges `across` and `up`; what is drawn next is clipped to them.
-  // `tick` writes a value, and those of the vertical axis are at least `apart` pixels apart;
-  // `tickAcross` and `apartAcross` are those of the horizontal axis, which has no values by default
-  // if the chart has no name.
+  // `tick` writes a value, and those of the vertical axis are at least `apart` pixels apart, or
+  // left out; `tickAcross` and `apartAcross` are those of the horizontal axis, which has no values
+  // by default if the chart has no name.
   /** @type {(axes: ChartAxes) => void} */
   axes({
     across: [x0, x1],
@@ -112,7 +112,7 @@ class Pane {
       );
       this.text([x, y0], tickAcross?.(x) ?? "", { dy: 15, colour: "quiet" });
     }
-    for (const y of ticks(y0, y1, this.sy / apart)) {
+    for (const y of apart < Infinity ? ticks(y0, y1, this.sy / apart) : []) {
       this.line(
         [
           [x0, y],
