@@ -353,7 +353,7 @@ class Session:
         self._end_replay(DragonError(f"the replay ends at step {self.scene.steps}: {error}"))
 
     def _show(self, now: float) -> None:
-        """Send clients the state, if it changed, values for charts, if they are due, and a frame."""
+        """Send clients the state if it changed, values for charts if they are due, and a frame."""
         self.clients.tell_state(self.state())
         header: dict[str, Any] = {
             "generation": self.generation,
