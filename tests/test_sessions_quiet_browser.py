@@ -17,7 +17,8 @@ SWITCHES = """() => [...document.querySelectorAll("fieldset input")]
   .filter((each) => each.checkVisibility() && each.checked).map(({ id }) => id)"""
 CAPTIONS = """() => [...document.querySelectorAll("#charts figure")]
   .filter((each) => each.checkVisibility())
-  .map((each) => each.querySelector("figcaption > :first-child").textContent)"""
+  .map((each) => each.querySelector("figcaption > :first-child"))
+  .map((each) => each.selectedOptions?.[0].text ?? each.textContent)"""
 # What a chart draws of rows: corners of bars, or points of a line.
 DRAWN = """([name, other, view]) => {
   const find = (title) => live.charts.quantities.find((each) => each.title === title);

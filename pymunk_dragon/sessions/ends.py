@@ -5,21 +5,15 @@ from __future__ import annotations
 import atexit
 import sys
 from importlib.util import find_spec
-from typing import Any, Protocol
+from typing import Any
 
 from pymunk_dragon.sessions.session import Session
 
-
-class _Handle(Protocol):
-    def stop(self) -> None:
-        """End the session."""
-
-
 # Handles of sessions, with the cell that began each, and the number of the cell's run.
-_OPEN: dict[_Handle, tuple[Session, str | None, int]] = {}
+_OPEN: dict[Any, tuple[Session, str | None, int]] = {}
 
 
-def begin(handle: _Handle, session: Session) -> None:
+def begin(handle: Any, session: Session) -> None:
     """Note a session that begins, and end those of an earlier run of the same cell."""
     cell, run = None, 0
     if (shell := _shell()) is not None:
@@ -33,7 +27,7 @@ def begin(handle: _Handle, session: Session) -> None:
     _OPEN[handle] = session, cell, run
 
 
-def forget(handle: _Handle) -> None:
+def forget(handle: object) -> None:
     """Take note that a session ends."""
     _OPEN.pop(handle, None)
 

@@ -52,18 +52,12 @@ class Quantity {
     /** @type {[number, number | null][]} */
     this.rows = []; // [time, value] since the scene began, for the table
     this.value = created("span", {}, "–");
-    this.caption = created("span");
     const onchange = () => {
       charts.views[this.name] = this.select.value;
     };
     this.select = created("select", { className: "view", onchange });
     const canvas = created("canvas", { ariaHidden: "true" });
-    this.figure = created(
-      "figure",
-      {},
-      created("figcaption", {}, this.caption, this.select, this.value),
-      canvas,
-    );
+    this.figure = created("figure", {}, created("figcaption", {}, this.select, this.value), canvas);
     this.chart = charts.chartOn(canvas);
   }
 
@@ -77,16 +71,18 @@ class Quantity {
     return translated(this.title) + this.unit;
   }
 
+  // The caption is a list of what the chart may show.
   nameViews() {
-    this.caption.textContent = this.shownName;
-    const others = this.charts.quantities.filter((each) => each !== this);
+    const name = this.shownName;
     this.select.replaceChildren(
-      new Option(localized("over time"), "time"),
-      new Option(localized("as a histogram"), "histogram"),
-      ...others.map(
-        (each) => new Option(localized("against {name}", { name: each.shownName }), each.name),
-      ),
+      new Option(name, "time"),
+      new Option(localized("{name}: histogram", { name }), "histogram"),
     );
+    for (const other of this.charts.quantities) {
+      if (other === this) continue;
+      const text = localized("{name} against {other}", { name, other: other.shownName });
+      this.select.add(new Option(text, other.name));
+    }
     this.select.value = this.view;
     this.select.ariaLabel = localized("What the chart shows");
   }
