@@ -127,6 +127,7 @@ class Live extends Stage {
     this.frame = NOTHING_YET;
     this.cachedMoment = null;
     this.model = new Model(scene);
+    // Until the next choice of a view, the whole field is that of the scene as it begins.
     this.view.setSubject(this.model);
     this.painter.model = this.model;
     this.scales = new Scales();
@@ -137,6 +138,7 @@ class Live extends Stage {
     if (!same) {
       this.first = scene.parameters;
       this.setFollow("field");
+      if (scene.follows) this.beginToFollow();
       const own = STAGE && !scene.dragon ? ["forces"] : []; // in a lesson on forces
       for (const name of LIVE_SWITCHES) {
         this.shown[name] = [...SHOWN_OF_SCENE, ...own].includes(name);
@@ -244,7 +246,8 @@ class Live extends Stage {
     if (!this.drawn) this.clear(); // A new canvas is black.
     if (!frame || !state) return;
     this.leaveRoom();
-    this.followSubject(this.moment.benches.poses);
+    const { x, y } = this.moment.benches.poses;
+    this.followSubject(this.scene.follows ? frame.focus : [x[0], y[0]]);
     this.aims = this.pixel === null && element("field").matches(":focus-visible");
     tools.flush();
     this.scales.include(this.moment, now);
@@ -270,6 +273,27 @@ class Live extends Stage {
     this.view.top = element("toolbox").offsetHeight + EDGE;
     this.view.right = height > width ? width + EDGE : 0;
     this.view.bottom = height > width ? SCALE_BAR_ROOM : height + EDGE;
+  }
+
+  /** @type {(subject: string | null) => void} */
+  setFollow(subject) {
+    if (subject === "field") this.view.field = this.model.wholeField(this.frame);
+    super.setFollow(subject);
+  }
+
+  // Follow what a program follows, in a view of the size in which its scene begins.
+  beginToFollow() {
+    this.resize();
+    this.leaveRoom();
+    this.view.fit();
+    this.setFollow("head");
+  }
+
+  // A body is followed until the view is moved, also while it is zoomed.
+  /** @type {(how: string) => void} */
+  viewMoved(how) {
+    if (this.scene?.follows && this.follow === "head" && how !== "pan") this.afterChange();
+    else super.viewMoved(how);
   }
 
   // The switches that are on and make sense for the scene.
