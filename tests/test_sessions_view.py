@@ -9,14 +9,19 @@ import time
 import numpy as np
 import pymunk
 import pytest
+import test_publish
+from browser import needs_browser, opened, wait_until
 from conftest import refusal
-from live_sessions import PATIENCE, Listener, decoded, greeting, played
+from live_sessions import PATIENCE, Listener, decoded, greeting, played, served
 
 from pymunk_dragon import live
 from pymunk_dragon.publish.program import read_program
+from pymunk_dragon.publish.site import publish_program
 from pymunk_dragon.sessions.live import source_of
 from pymunk_dragon.sessions.scene import PlaySettings, Scene
 
+# A copy of Pyodide.
+pyodide = test_publish.pyodide
 # A place in zone 33 of the Universal Transverse Mercator grid, m.
 UTM = (500_000.0, 4_649_776.0)
 
@@ -204,3 +209,88 @@ def test_published_page_has_the_title_and_a_picture_of_what_is_followed(tmp_path
     )
     # Without what is followed the box is not in the picture.
     assert len({*pictures, read_program(path).picture}) == 2
+
+
+# Whether the view is centred on the box that is followed, and where that is.
+CENTRED = "live.view.x === live.frame.focus?.[0] && live.view.y === live.frame.focus[1]"
+FOCUS = "live.frame.focus[0]"
+# The box and the post far away, in pixels of a canvas of a width and a height.
+PLACES = """live.frame.calls.flatMap(({ points }) =>
+  points.map((point) => live.view.toScreen(...point)))"""
+
+
+def two():
+    """A box and a post a kilometre away."""
+    space = build(UTM)
+    space.add(pymunk.Circle(space.static_body, 1.0, (UTM[0] + 1000, UTM[1])))
+    return space
+
+
+@pytest.mark.thorough
+@needs_browser
+@pytest.mark.parametrize(("width", "height"), [(1280, 800), (390, 844)])
+def test_page_follows_until_the_view_is_moved_and_whole_field_shows_what_there_is(
+    browser, width, height
+):
+    source = source_of(two, PlaySettings(view=(0, 0, 20, 10), follow=box, title="A title"))
+    with (
+        served(source) as session,
+        opened(browser, session.address, width, height) as found,
+    ):
+        page = found.page
+        wait_until(page, "globalThis.live?.frame?.time > 0 && live.drawn > 0")
+        assert page.title() == page.text_content("#title") == "A title"
+        assert page.evaluate("20 * live.view.scale") < width
+        wait_until(page, CENTRED)
+        before = page.evaluate(FOCUS)
+        wait_until(page, f"{FOCUS} > {before} + 0.2 && {CENTRED}")
+        # Corners are where they are to a millionth of the view.
+        half = page.evaluate(f"Math.abs(live.frame.calls[0].points[0][0] - {FOCUS})")
+        assert half == pytest.approx(0.5, abs=1e-8)
+        # Zooming goes on following, also while the session is paused.
+        page.keyboard.press("Space")
+        wait_until(page, "!live.state.running")
+        page.mouse.move(width / 3, 300)
+        page.mouse.wheel(0, -300)
+        page.keyboard.press("Space")
+        wait_until(page, f"live.state.running && live.follow === 'head' && {CENTRED}")
+        page.keyboard.press("d")
+        wait_until(page, "live.follow === null")
+        x = page.evaluate("live.view.x")
+        before = page.evaluate(FOCUS)
+        wait_until(page, f"{FOCUS} > {before} + 0.2")
+        assert page.evaluate("live.view.x") == x
+        page.click("#fit")
+        wait_until(page, "live.view.span > 200")
+        places = page.evaluate(PLACES)
+        assert len(places) == 5
+        assert all(0 < x < width and 0 < y < height for x, y in places)
+        # Also when all begins again.
+        generation = page.evaluate("live.scene.generation")
+        page.click("#reset")
+        wait_until(page, f"live.frame?.generation > {generation} && live.view.span > 200")
+        page.keyboard.press("h")
+        wait_until(page, CENTRED)
+        assert page.get_attribute("#follow", "aria-pressed") == "true"
+        for factor in (1e-9, 1e18):
+            before = page.evaluate("live.view.scale")
+            page.evaluate(f"live.zoom({factor})")
+            assert page.evaluate("live.view.scale") == pytest.approx(before * factor)
+        assert found.complaints == []
+
+
+@pytest.mark.thorough
+@needs_browser
+def test_published_page_follows(browser, pyodide, tmp_path):
+    path = tmp_path / "box.py"
+    path.write_text(PROGRAM.replace("{more}", ", title='Mine'"), "utf-8")
+    publish_program(path, tmp_path / "site", runtime=pyodide)
+    with (
+        test_publish.served(tmp_path / "site") as address,
+        opened(browser, address) as found,
+    ):
+        page = found.page
+        page.click("#begin-play")
+        wait_until(page, f"live.frame?.time > 0 && {CENTRED} && live.view.x === 50")
+        assert page.title() == page.text_content("#title") == "Mine"
+        assert found.complaints == []

@@ -62,6 +62,9 @@ class Live extends Stage {
     this.sliders = new Sliders(element("parameters"), (message) => this.send(message));
     this.tools = new Tools(this);
     this.recorder = new Recorder(this);
+    // Whether what there is now is to be shown, and not the first view; and whether it has been.
+    this.fits = false;
+    this.fitted = false;
     this.drawn = 0;
     // Keys of the scene that are down: codes, and the names that were sent.
     /** @type {Map<string, string>} */
@@ -127,8 +130,8 @@ class Live extends Stage {
     this.frame = NOTHING_YET;
     this.cachedMoment = null;
     this.model = new Model(scene);
-    // Until the next choice of a view, the whole field is that of the scene as it begins.
     this.view.setSubject(this.model);
+    this.fitted = false;
     this.painter.model = this.model;
     this.scales = new Scales();
     this.charts.setModel(this.model);
@@ -138,6 +141,7 @@ class Live extends Stage {
     if (!same) {
       this.first = scene.parameters;
       this.setFollow("field");
+      this.fits = false;
       if (scene.follows) this.beginToFollow();
       const own = STAGE && !scene.dragon ? ["forces"] : []; // in a lesson on forces
       for (const name of LIVE_SWITCHES) {
@@ -246,6 +250,8 @@ class Live extends Stage {
     if (!this.drawn) this.clear(); // A new canvas is black.
     if (!frame || !state) return;
     this.leaveRoom();
+    if (this.fits && !this.fitted) this.view.field = this.model.wholeField(frame);
+    this.fitted = true;
     const { x, y } = this.moment.benches.poses;
     this.followSubject(this.scene.follows ? frame.focus : [x[0], y[0]]);
     this.aims = this.pixel === null && element("field").matches(":focus-visible");
@@ -277,7 +283,8 @@ class Live extends Stage {
 
   /** @type {(subject: string | null) => void} */
   setFollow(subject) {
-    if (subject === "field") this.view.field = this.model.wholeField(this.frame);
+    this.fits = subject === "field";
+    this.fitted = false;
     super.setFollow(subject);
   }
 

@@ -57,10 +57,10 @@ class Model {
   }
 
   // The area that "whole field" shows: a dragon's own or a window, and otherwise what there is now.
-  /** @type {(frame: LiveFrame | null) => Field} */
-  wholeField(frame) {
+  /** @type {(frame: LiveFrame) => Field} */
+  wholeField({ calls }) {
     const fixed = this.benches > 0 || this.can("pointer");
-    return (!fixed && frame && extentOf(frame.calls)) || this.field;
+    return (fixed ? null : extentOf(calls)) ?? this.field;
   }
 
   // What there is to see in a frame; exact benches not included.
