@@ -167,6 +167,8 @@ interface Site {
   text?: string;
   picture: string;
   lessons?: string;
+  wheels?: string[];
+  scene?: string;
 }
 
 /** How far the worker of a published page is. */

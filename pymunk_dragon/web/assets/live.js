@@ -118,12 +118,8 @@ class Live extends Stage {
   /** @type {(scene: LiveScene) => void} */
   setScene(scene) {
     this.showBuilding(false);
-    // A stage begins anew when it is opened.
     const isFirst = !this.scene;
     nameScene(scene);
-    if (isFirst && STAGE && !SITE && scene.role === "control") {
-      this.send({ do: "scene", name: STAGE });
-    }
     const same = this.scene?.name === scene.name;
     const anew = this.scene?.generation !== scene.generation;
     this.scene = scene;
@@ -143,10 +139,7 @@ class Live extends Stage {
       this.setFollow("field");
       this.fits = false;
       if (scene.follows) this.beginToFollow();
-      const own = STAGE && !scene.dragon ? ["forces"] : []; // in a lesson on forces
-      for (const name of LIVE_SWITCHES) {
-        this.shown[name] = [...SHOWN_OF_SCENE, ...own].includes(name);
-      }
+      for (const name of LIVE_SWITCHES) this.shown[name] = SHOWN_OF_SCENE.includes(name);
       setText("announcement", translated(scene.title));
     }
     showScene(this);
