@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import signal
 import subprocess
 import sys
 import threading
@@ -18,7 +17,10 @@ from pymunk_dragon.sessions.live import source_of
 from pymunk_dragon.sessions.scene import PlaySettings
 
 PROGRAM = """
+import _thread
 import sys
+import threading
+import traceback
 import pymunk
 from pymunk_dragon import live
 
@@ -28,8 +30,14 @@ def build():
     return space
 
 def on_step(space, time):
-    if "ends" in sys.argv and time > 0.1:
+    if "ends" in sys.argv:
         sys.exit()
+    if "interrupted" in sys.argv:
+        main = sys._current_frames()[threading.main_thread().ident]
+        if "goes_on" in [each.name for each in traceback.extract_stack(main)]:
+            sys.argv.remove("interrupted")
+            # As Ctrl-C does.
+            _thread.interrupt_main()
 
 session = live(build, on_step=on_step, browser=False)
 if "waits" in sys.argv:
@@ -65,14 +73,12 @@ def program(*arguments):
     )
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="Windows has other signals")
 def test_ctrl_c_ends_a_program_that_waits_as_it_ends_commands():
-    with program("waits") as waiting:
-        address = waiting.stderr.readline()
-        assert "http://127.0.0.1:" in address
-        waiting.send_signal(signal.SIGINT)
+    with program("waits", "interrupted") as waiting:
         out, err = waiting.communicate(timeout=PATIENCE)
-    assert (waiting.returncode, out, err) == (130, "", "interrupted\n")
+    address, line = err.splitlines()
+    assert "http://127.0.0.1:" in address
+    assert (waiting.returncode, out, line) == (130, "", "interrupted")
 
 
 def test_program_waits_for_the_end_of_its_session_and_one_that_does_not_is_told_so():

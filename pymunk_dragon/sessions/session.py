@@ -359,16 +359,20 @@ class Session:
             "generation": self.generation,
             "clock": now,
             "step_time": self._step_seconds,
+            "focus": None,
         }
         with self._watched():
-            if self.clock.plot_is_due(now):
-                values = [*self.scene.plots().values()]
-                about = {"kind": "plots", "time": self.scene.time, "values": values}
-                # Not in a frame: a client need not get all of these.
-                self.clients.tell(without_nan(about))
-            frame = self.scene.frame(header)
-            for client in self.clients:
-                client.show(frame)
+            try:
+                header["focus"] = self.scene.focus()
+                if self.clock.plot_is_due(now):
+                    values = [*self.scene.plots().values()]
+                    about = {"kind": "plots", "time": self.scene.time, "values": values}
+                    # Not in a frame: a client need not get all of these.
+                    self.clients.tell(without_nan(about))
+            finally:
+                frame = self.scene.frame(header)
+                for client in self.clients:
+                    client.show(frame)
         self.clock.frame_was_made()
 
     def _tell_events(self, now: float) -> None:

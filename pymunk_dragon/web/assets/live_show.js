@@ -81,7 +81,7 @@ function showAbilities(live) {
     "until-contact": "until_contact",
   };
   for (const id in parts) element(id).hidden = !model.can(parts[id]);
-  element("follow").hidden = model.benches === 0;
+  showFollow(live);
   document.body.classList.toggle("of-benches", model.benches > 0);
   element("about-given").hidden = !live.scene.given;
   element("parameters-part").hidden = live.scene.parameters.length === 0;
@@ -102,6 +102,15 @@ function showAbilities(live) {
   }
   live.charts.nameViews();
   live.afterChange();
+}
+
+/** @type {(live: Live) => void} */
+function showFollow({ model, scene }) {
+  const button = element("follow");
+  button.hidden = model.benches === 0 && !scene.follows;
+  const what = scene.follows ? localized("Follow") : localized("Follow the head");
+  const sign = keySign(button.getAttribute("aria-keyshortcuts") ?? "");
+  Object.assign(button, { ariaLabel: what, title: `${what} (${sign})` });
 }
 
 /** @type {(live: Live) => void} */
