@@ -426,3 +426,26 @@ def test_page_goes_on_while_a_cell_runs_and_its_inputs_take_effect(browser, tmp_
             # In a narrow frame its part of the page is folded.
             frame.eval_on_selector("#actions button", "(button) => button.click()")
             wait(lambda: page.wait_for_timeout(20), lambda loops=loops: ends(page, loops))
+
+
+COUNT = "len([each for each in threading.enumerate() if 'pymunk-dragon' in each.name])"
+
+
+@pytest.mark.thorough
+def test_eight_runs_of_a_cell_leave_one_thread_in_a_kernel():
+    with pytest.importorskip("jupyter_client").run_kernel() as client:
+
+        def threads(cell, code):
+            """Threads of sessions after a cell was run."""
+            about = {"code": code, "user_expressions": {"count": COUNT}}
+            message = client.session.msg("execute_request", about, metadata={"cellId": cell})
+            client.shell_channel.send(message)
+            while True:
+                reply = client.get_shell_msg(timeout=PATIENCE)
+                if reply["parent_header"]["msg_id"] == message["msg_id"]:
+                    return int(reply["content"]["user_expressions"]["count"]["data"]["text/plain"])
+
+        assert threads("one", "import threading; from pymunk_dragon import live") == 0
+        for run in range(8):
+            assert threads("two", f"session = live('pendulum')\nsession  # {run}") == 1
+        assert threads("three", "session = live('cradle')") == 2

@@ -122,7 +122,9 @@ class Quantity {
     /** @type {Limits} */
     const across = [Math.min(...begins), Math.max(...begins) + width];
     const most = Math.max(...bars.map(([, count]) => count));
-    chart.start([0, most * (1 + SPARE)], signed, across, ticksIn(across));
+    /** @type {Limits} */
+    const up = [0, most * (1 + SPARE)];
+    chart.start(up, ticksIn(up), across, ticksIn(across));
     for (const [begin, count] of bars) {
       const end = begin + width;
       const corners = [
