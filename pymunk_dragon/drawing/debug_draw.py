@@ -58,9 +58,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from io import BytesIO
 from itertools import chain
+from typing import Any
 
 import pymunk
-from PIL import Image, ImageDraw, ImageOps
+from PIL import Image, ImageColor, ImageDraw, ImageOps
 from pymunk.space_debug_draw_options import SpaceDebugColor as Colour
 
 from pymunk_dragon._checks import finite, flag, instance
@@ -321,6 +322,17 @@ def still(
     file = BytesIO()
     options.image.save(file, "png")
     return file.getvalue()
+
+
+def colour(name: str, value: Any) -> Colour:
+    """A colour of Pymunk's from a name, a text as "#rrggbb", or three or four numbers."""
+    try:
+        numbers: Any = ImageColor.getcolor(value, "RGBA") if isinstance(value, str) else value
+        red, green, blue, *alpha = (finite(name, each, 0, 255, "") for each in numbers)
+        return Colour(red, green, blue, *alpha or [255])
+    except (TypeError, ValueError):
+        bound = "the name of a colour, #rrggbb, or 3 or 4 numbers from 0 to 255"
+        raise ParameterError(name, value, bound) from None
 
 
 def _paint(draw: ImageDraw.ImageDraw, view: pymunk.Transform, line: float, call: DrawCall) -> None:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from numbers import Real
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,7 @@ from pymunk_dragon.physics.readings import (
 )
 from pymunk_dragon.physics.substep import next_length
 from pymunk_dragon.sessions.controls import Button, Key, PygameEvents, Slider, slider_around
+from pymunk_dragon.sessions.draw import Draw
 from pymunk_dragon.web.frames import in_binary, packed
 
 # Largest acceleration of a body by the hand, m/s^2, as in Box2D's testbed.
@@ -61,7 +63,7 @@ class PlaySettings:
     title: str | None = None
     # Parts of the picture that are shown at first: words of `PARTS`.
     show: Sequence[str] | None = None
-    on_draw: Callable[[pymunk.Space, Any], object] | None = None
+    on_draw: Callable[[pymunk.Space, Draw], object] | None = None
     on_click: Callable[[pymunk.Space, pymunk.Vec2d, int], object] | None = None
 
 
@@ -94,6 +96,8 @@ class Scene:
         self._recorder = DrawRecorder()
         self._recorder.flags = self.drawn
         self._readings = Readings(space)
+        # What `on_draw` drew last.
+        self._drawn = Draw()
 
         controls = settings.controls
         self.pygame = next((each for each in controls if isinstance(each, PygameEvents)), None)
@@ -200,6 +204,13 @@ class Scene:
         """Pass the pointer to a pygame program, whose window has its origin at the upper left."""
         down = y if self.settings.y_down else self.field["size"][1] - y
         self.pygame_events().pointer(x, down, kind, button)
+
+    def click(self, x: float, y: float, button: int) -> None:
+        """Call the function for clicks."""
+        if self.settings.on_click is None:
+            raise ParameterError("message", "click", "an action that this scene has")
+        self.settings.on_click(self.space, pymunk.Vec2d(x, y), button)
+        self._wake()
 
     def pygame_events(self) -> PygameEvents:
         """The keys and the mouse of a pygame program; an error is raised in other scenes."""
@@ -309,6 +320,7 @@ class Scene:
             "parameters": parameters,
             "buttons": buttons,
             "keys": ["*"] if self.pygame else keys,
+            "clicks": self.settings.on_click is not None,
             "dragon": None,
             "step": self.step_length,
             "y_down": self.settings.y_down,
@@ -351,6 +363,18 @@ class Scene:
             raise ParameterError(f"the value of the chart {title!r}", value, "a number")
         return number(float(value) if isinstance(value, bool | np.bool_) else value)
 
+    def draw(self) -> None:
+        """Draw what the user's function draws on the next frame, up to an error in it."""
+        on_draw = self.settings.on_draw
+        if on_draw is None:
+            return
+        self._drawn = Draw(self._drawn.trails)
+        result = on_draw(self.space, self._drawn)
+        if result is not None:
+            code = getattr(on_draw, "__code__", None)
+            place = code and f" ({Path(code.co_filename).name}, line {code.co_firstlineno})"
+            raise ParameterError("the value of on_draw", result, f"None{place or ''}")
+
     def frame(self, header: Mapping[str, Any]) -> bytes:
         """The present state in the format of `in_binary`; `header` is the session's part of it."""
         pull = self._held
@@ -365,7 +389,8 @@ class Scene:
     def _parts(self) -> tuple[dict[str, Any], dict[str, Array]]:
         """Parts of the header and arrays of a frame."""
         self.space.debug_draw(self._recorder)
-        calls, colours = packed(self._recorder.calls, grip)
+        calls, colours = packed([*self._recorder.calls, *self._drawn.calls], grip)
         joints = self._readings.joints(self.joints())
         contacts = self._readings.contacts()
-        return {"colours": colours}, {"calls": calls, "joints": joints, "contacts": contacts}
+        header = {"colours": colours, "texts": self._drawn.texts}
+        return header, {"calls": calls, "joints": joints, "contacts": contacts}
