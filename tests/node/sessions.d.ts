@@ -42,6 +42,7 @@ interface LiveScene {
   plots: [string, string][];
   buttons: string[];
   keys: string[];
+  clicks: boolean;
   scenes: { name: string; title: string }[];
   step: number;
   given: boolean;
@@ -115,6 +116,16 @@ interface LiveFrame {
   contacts: Float32Array;
   joints: Float32Array;
   calls: Call[];
+  texts?: DrawnText[];
+}
+
+/** A text that a program draws: its middle, height in pixels, and red, green, blue, alpha. */
+interface DrawnText {
+  x: number;
+  y: number;
+  text: string;
+  size: number;
+  colour: [number, number, number, number];
 }
 
 interface Effort {
