@@ -134,6 +134,13 @@ def test_trail_keeps_the_last_points_and_waits_where_nothing_moves():
         assert [call[1] for call in calls[1:]] == [[[0, 0]], [[1, 0]]]
 
 
+def after(draw):
+    """What draws on the next picture."""
+    found = Draw()
+    found.before = draw.trails
+    return found
+
+
 def test_trail_that_a_picture_leaves_out_begins_anew():
     space = falling()
     first = Draw()
@@ -142,11 +149,11 @@ def test_trail_that_a_picture_leaves_out_begins_anew():
     first.trail((2, 2))
     space.ball.position = 3, 3
     # Points are told apart by their order, bodies by themselves.
-    second = Draw(first.trails)
+    second = after(first)
     second.trail((1, 2))
     second.trail(space.ball)
     assert [call.points for call in second.calls] == [((1, 1), (1, 2)), ((0, 0), (3, 3))]
-    third = Draw(Draw(second.trails).trails)
+    third = after(after(second))
     third.trail(space.ball)
     assert [call.points for call in third.calls] == [((3, 3),)]
 

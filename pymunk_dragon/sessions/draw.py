@@ -54,12 +54,12 @@ class Draw:
     >>> live(space, on_draw=on_draw)  # doctest: +SKIP
     """
 
-    def __init__(self, before: _Trails | None = None) -> None:
+    def __init__(self) -> None:
         self.calls: list[DrawCall] = []
         self.texts: list[dict[str, Any]] = []
         self.trails: dict[pymunk.Body | int, deque[_Point]] = {}
-        # Trails of the picture before.
-        self._before = before or {}
+        # Those of the picture before.
+        self.before: _Trails = {}
         # Trails of points so far.
         self._tips = 0
 
@@ -132,7 +132,7 @@ class Draw:
         else:
             self._tips += 1
         place = _point("of", of)
-        points = deque(self._before.get(key, ()), whole("last", last, 2, _MAX_POINTS))
+        points = deque(self.before.get(key, ()), whole("last", last, 2, _MAX_POINTS))
         if not points or points[-1] != place:
             points.append(place)
         self.trails[key] = points

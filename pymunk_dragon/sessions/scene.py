@@ -368,7 +368,9 @@ class Scene:
         on_draw = self.settings.on_draw
         if on_draw is None:
             return
-        self._drawn = Draw(self._drawn.trails)
+        before = self._drawn.trails
+        self._drawn = Draw()
+        self._drawn.before = before
         result = on_draw(self.space, self._drawn)
         if result is not None:
             code = getattr(on_draw, "__code__", None)
