@@ -68,11 +68,13 @@ def publish_site(
     """
     function("progress", progress)
     with _new_folder(folder) as draft:
-        site = write_engine(draft, runtime, {}) | {"lessons": "index.html"}
+        engine = write_engine(draft, runtime, {})
+        site = engine | {"lessons": "index.html"}
         scene = named_scene("dragon").build({})
         _write_page(draft / "live.html", _SCENES, _ABOUT, site, picture_of(scene))
         write_player(simulate(March(), start=_RUN_START), draft / "player.html")
-        page = run_page(list(LESSONS.values()), language(), progress, site=_PAGES)
+        lessons = list(LESSONS.values())
+        page = run_page(lessons, language(), progress, site=engine, pages=_PAGES)
         (draft / "index.html").write_bytes(page.encode())
 
 

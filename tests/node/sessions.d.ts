@@ -175,6 +175,8 @@ interface Site {
   text?: string;
   picture: string;
   lessons?: string;
+  wheels?: string[];
+  scene?: string;
 }
 
 /** How far the worker of a published page is. */

@@ -116,12 +116,8 @@ class Live extends Stage {
   /** @type {(scene: LiveScene) => void} */
   setScene(scene) {
     this.showBuilding(false);
-    // A stage begins anew when it is opened.
     const isFirst = !this.scene;
     nameScene(scene);
-    if (isFirst && STAGE && !SITE && scene.role === "control") {
-      this.send({ do: "scene", name: STAGE });
-    }
     const same = this.scene?.name === scene.name;
     const anew = this.scene?.generation !== scene.generation;
     this.scene = scene;
@@ -138,10 +134,7 @@ class Live extends Stage {
     if (!same) {
       this.first = scene.parameters;
       this.setFollow("field");
-      const own = STAGE && !scene.dragon ? ["forces"] : []; // in a lesson on forces
-      for (const name of LIVE_SWITCHES) {
-        this.shown[name] = [...SHOWN_OF_SCENE, ...own].includes(name);
-      }
+      for (const name of LIVE_SWITCHES) this.shown[name] = SHOWN_OF_SCENE.includes(name);
       setText("announcement", translated(scene.title));
     }
     showScene(this);
