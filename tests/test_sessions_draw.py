@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import threading
 from contextlib import contextmanager
+from io import BytesIO
 
 import numpy as np
 import pymunk
 import pytest
 from conftest import assert_says
 from live_sessions import Listener, decoded, played
+from PIL import Image
 
 from pymunk_dragon import Button, Key, ParameterError, PygameEvents, Slider, live
 from pymunk_dragon.sessions.draw import MAX_CALLS, Draw
-from pymunk_dragon.sessions.scene import PlaySettings
+from pymunk_dragon.sessions.scene import PlaySettings, Scene
 from pymunk_dragon.sessions.scenes import space_scene
 
 RED = (255, 0, 0, 255)
@@ -300,3 +302,21 @@ def test_a_pygame_program_has_the_mouse_and_no_on_click():
     with pytest.raises(ParameterError) as raised:
         live(pymunk.Space, controls=[events], on_click=ignore, browser=False)
     assert_says(raised.value, "on_click")
+
+
+def test_still_of_a_scene_has_what_was_drawn_last():
+    scene = Scene(pymunk.Space(), PlaySettings(on_draw=draw_all, view=(0, 0, 12, 12)))
+
+    def counts():
+        """Pixels that are more red, and those that are more green, than anything else."""
+        with Image.open(BytesIO(scene.still())) as image:
+            red, green, blue = np.moveaxis(np.array(image, int), 2, 0)
+        found = red - np.maximum(green, blue), green - np.maximum(red, blue)
+        return [(each > 50).sum() for each in found]
+
+    assert counts() == [0, 0]
+    scene.draw()
+    # The line and the arrow, and the disc; the field is 460 of 480 pixels high.
+    red, green = counts()
+    assert red > 200
+    assert green == pytest.approx(np.pi * (0.5 * 460 / 12) ** 2, rel=0.2)

@@ -12,10 +12,8 @@ from typing import Any, NoReturn
 
 from pymunk_dragon._checks import instance, instances
 from pymunk_dragon._files import read_text
-from pymunk_dragon.drawing.debug_draw import still
 from pymunk_dragon.errors import FileFormatError, ParameterError
 from pymunk_dragon.sessions.live import Live
-from pymunk_dragon.sessions.scene import Scene
 from pymunk_dragon.sessions.session import Session, described
 
 # Modules of Python that Pyodide 314.0 does not have.
@@ -108,6 +106,7 @@ def _picture(path: Path) -> bytes:
     """Picture of the first state of the scene of a program, which is run until it calls `live`."""
 
     def end(session: Session, **options: Any) -> NoReturn:
+        session.scene.draw()
         raise _Shown(session)
 
     before = sys.path[:]
@@ -130,10 +129,4 @@ def _picture(path: Path) -> bytes:
     if scene.manual:
         rule = "makes its steps itself (step=None), which a page cannot do: give live a step"
         raise FileFormatError(path, rule)
-    return picture_of(scene)
-
-
-def picture_of(scene: Scene) -> bytes:
-    """Picture of the present state of a scene, as a PNG."""
-    y_down = scene.settings.y_down
-    return still(scene.space, scene.field, y_down=y_down, flags=scene.drawn)
+    return scene.still()

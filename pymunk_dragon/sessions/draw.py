@@ -13,7 +13,7 @@ from pymunk_dragon._checks import MAX_COORDINATE, finite, label, positive, whole
 from pymunk_dragon.drawing.debug_draw import DrawCall, colour
 from pymunk_dragon.errors import ParameterError
 
-# Calls in a frame: Chromium draws so many lines of as many colours beside a scene of 200 bodies.
+# Calls in a picture: so many take about the time of a picture, in Python and in the page.
 MAX_CALLS = 2000
 # Points of a trail: a minute of pictures is 3,600.
 _MAX_POINTS = 10_000

@@ -14,7 +14,7 @@ import pymunk
 
 from pymunk_dragon._arrays import Array
 from pymunk_dragon._checks import number, word
-from pymunk_dragon.drawing.debug_draw import DrawRecorder, area
+from pymunk_dragon.drawing.debug_draw import DrawRecorder, area, still
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.physics.readings import (
     QUANTITIES,
@@ -97,7 +97,7 @@ class Scene:
         self._recorder.flags = self.drawn
         self._readings = Readings(space)
         # What `on_draw` drew last.
-        self._drawn = Draw()
+        self._drawing = Draw()
 
         controls = settings.controls
         self.pygame = next((each for each in controls if isinstance(each, PygameEvents)), None)
@@ -368,10 +368,10 @@ class Scene:
         on_draw = self.settings.on_draw
         if on_draw is None:
             return
-        before = self._drawn.trails
-        self._drawn = Draw()
-        self._drawn.before = before
-        result = on_draw(self.space, self._drawn)
+        before = self._drawing.trails
+        self._drawing = Draw()
+        self._drawing.before = before
+        result = on_draw(self.space, self._drawing)
         if result is not None:
             code = getattr(on_draw, "__code__", None)
             place = code and f" ({Path(code.co_filename).name}, line {code.co_firstlineno})"
@@ -388,11 +388,17 @@ class Scene:
         more, arrays = self._parts()
         return in_binary({**header, **state, **more}, arrays)
 
+    def still(self) -> bytes:
+        """PNG of the present state, with what was drawn last but its texts."""
+        y_down = self.settings.y_down
+        more = self._drawing.calls
+        return still(self.space, self.field, y_down=y_down, flags=self.drawn, more=more)
+
     def _parts(self) -> tuple[dict[str, Any], dict[str, Array]]:
         """Parts of the header and arrays of a frame."""
         self.space.debug_draw(self._recorder)
-        calls, colours = packed([*self._recorder.calls, *self._drawn.calls], grip)
+        calls, colours = packed([*self._recorder.calls, *self._drawing.calls], grip)
         joints = self._readings.joints(self.joints())
         contacts = self._readings.contacts()
-        header = {"colours": colours, "texts": self._drawn.texts}
+        header = {"colours": colours, "texts": self._drawing.texts}
         return header, {"calls": calls, "joints": joints, "contacts": contacts}
