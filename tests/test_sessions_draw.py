@@ -304,19 +304,21 @@ def test_a_pygame_program_has_the_mouse_and_no_on_click():
     assert_says(raised.value, "on_click")
 
 
-def test_still_of_a_scene_has_what_was_drawn_last():
-    scene = Scene(pymunk.Space(), PlaySettings(on_draw=draw_all, view=(0, 0, 12, 12)))
-
-    def counts():
+def test_picture_of_a_scene_has_what_is_drawn_up_to_an_error():
+    def counts(on_draw):
         """Pixels that are more red, and those that are more green, than anything else."""
-        with Image.open(BytesIO(scene.still())) as image:
+        scene = Scene(pymunk.Space(), PlaySettings(on_draw=on_draw, view=(0, 0, 12, 12)))
+        with Image.open(BytesIO(scene.picture())) as image:
             red, green, blue = np.moveaxis(np.array(image, int), 2, 0)
         found = red - np.maximum(green, blue), green - np.maximum(red, blue)
         return [(each > 50).sum() for each in found]
 
-    assert counts() == [0, 0]
-    scene.draw()
+    def failing(space, draw):
+        draw_all(space, draw)
+        return 1 / 0
+
+    assert counts(None) == [0, 0]
     # The line and the arrow, and the disc; the field is 460 of 480 pixels high.
-    red, green = counts()
+    red, green = counts(failing)
     assert red > 200
     assert green == pytest.approx(np.pi * (0.5 * 460 / 12) ** 2, rel=0.2)

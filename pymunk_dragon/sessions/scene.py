@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from numbers import Real
 from pathlib import Path
@@ -122,8 +123,34 @@ class Scene:
 
         It is that of `PlaySettings.view`, of pygame's window, or of what is drawn.
         """
-        field = self.settings.view or (self.pygame and self.pygame.field) or area(self.space)
-        self.field: dict[str, list[float]] = {"centre": list(field[:2]), "size": list(field[2:])}
+        view = self.settings.view or (self.pygame and self.pygame.view) or area(self.space)
+        self.view: dict[str, list[float]] = {"centre": list(view[:2]), "size": list(view[2:])}
+
+    def focus(self) -> list[float] | None:
+        """The point that the view follows, if it follows one."""
+        follow = self.settings.follow
+        if follow is None:
+            return None
+        found = follow(self.space)
+        try:
+            x, y = map(number, getattr(found, "position", found))
+        except (TypeError, ValueError):
+            x = y = math.nan
+        if math.isfinite(x + y):
+            return [x, y]
+        raise ParameterError("follow", found, f"a pymunk.Body or a point{_written_at(follow)}")
+
+    def picture(self) -> bytes:
+        """PNG of what the page shows at first, without texts."""
+        view = dict(self.view)
+        # The page shows an error of the user's function.
+        with suppress(Exception):
+            view["centre"] = self.focus() or view["centre"]
+        with suppress(Exception):
+            self.draw()
+        y_down = self.settings.y_down
+        more = self._drawing.calls
+        return still(self.space, view, y_down=y_down, flags=self.drawn, more=more)
 
     def advance(self) -> None:
         """Make a step; an error is raised if a body has no finite position after it."""
@@ -202,7 +229,7 @@ class Scene:
 
     def pointer(self, x: float, y: float, kind: str, button: int) -> None:
         """Pass the pointer to a pygame program, whose window has its origin at the upper left."""
-        down = y if self.settings.y_down else self.field["size"][1] - y
+        down = y if self.settings.y_down else self.view["size"][1] - y
         self.pygame_events().pointer(x, down, kind, button)
 
     def click(self, x: float, y: float, button: int) -> None:
@@ -226,7 +253,7 @@ class Scene:
 
         anchor = body.world_to_local(point)
         held = self._held = pymunk.PivotJoint(self._hand, body, (0, 0), anchor)
-        size = max(self.field["size"])
+        size = max(self.view["size"])
         acceleration = _HAND_ACCELERATION * max(1.0, size / _HAND_SIZE)
         held.max_force = acceleration * body.mass
         held.error_bias = _HAND_BIAS
@@ -325,7 +352,8 @@ class Scene:
             "step": self.step_length,
             "y_down": self.settings.y_down,
             "units": self.settings.units,
-            "field": self.field,
+            "view": self.view,
+            "follows": self.settings.follow is not None,
             "unit_of": unit_of,
             "plots": list(plots.items()),
         }
@@ -373,9 +401,7 @@ class Scene:
         self._drawing.before = before
         result = on_draw(self.space, self._drawing)
         if result is not None:
-            code = getattr(on_draw, "__code__", None)
-            place = code and f" ({Path(code.co_filename).name}, line {code.co_firstlineno})"
-            raise ParameterError("the value of on_draw", result, f"None{place or ''}")
+            raise ParameterError("the value of on_draw", result, f"None{_written_at(on_draw)}")
 
     def frame(self, header: Mapping[str, Any]) -> bytes:
         """The present state in the format of `in_binary`; `header` is the session's part of it."""
@@ -388,12 +414,6 @@ class Scene:
         more, arrays = self._parts()
         return in_binary({**header, **state, **more}, arrays)
 
-    def still(self) -> bytes:
-        """PNG of the present state, with what was drawn last but its texts."""
-        y_down = self.settings.y_down
-        more = self._drawing.calls
-        return still(self.space, self.field, y_down=y_down, flags=self.drawn, more=more)
-
     def _parts(self) -> tuple[dict[str, Any], dict[str, Array]]:
         """Parts of the header and arrays of a frame."""
         self.space.debug_draw(self._recorder)
@@ -402,3 +422,9 @@ class Scene:
         contacts = self._readings.contacts()
         header = {"colours": colours, "texts": self._drawing.texts}
         return header, {"calls": calls, "joints": joints, "contacts": contacts}
+
+
+def _written_at(function: Callable[..., object]) -> str:
+    """Where a function of the user's is, in words; empty for a callable object."""
+    code = getattr(function, "__code__", None)
+    return f" ({Path(code.co_filename).name}, line {code.co_firstlineno})" if code else ""

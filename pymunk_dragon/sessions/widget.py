@@ -54,10 +54,8 @@ class LiveWidget(PostedClient, AnyWidget):
 
         The picture remains in the notebook.
         """
-        scene = self.session.scene
         with self.session.held:
-            scene.draw()
-            content = scene.still()
+            content = self.session.scene.picture()
         source = data_address(content, "image/png")
         picture = f'<img class="{self.still}" alt="A live session" src="{source}">'
         # The picture has an output of its own: JupyterLab shows nothing else of an output whose
