@@ -92,13 +92,7 @@ def test_lines_circles_arrows_and_texts_are_in_the_frame_as_they_were_drawn():
     assert 0 < left[0] < 10
     assert left[1] != 0
     [text] = texts
-    assert text == {
-        "x": 5,
-        "y": 6,
-        "text": "Score: 3\nLives: 2",
-        "size": 20,
-        "colour": [*RED],
-    }
+    assert text == [5, 6, "Score: 3\nLives: 2", 20, [*RED]]
 
 
 def test_drawing_comes_after_what_pymunk_draws_and_no_hand_takes_it():

@@ -37,9 +37,8 @@ class Draw:
 
     Coordinates and lengths have the units of the space, and lines are 1.5 pixels wide at any zoom.
     All this is drawn over shapes and joints, in the order of the calls, of which a picture has at
-    most 2,000. A `color` is a name or a text as "#rrggbb" or "#rrggbbaa", those of Pillow's
-    ImageColor, or red, green, blue and alpha from 0 to 255, as in Pymunk's ``SpaceDebugColor``. A
-    `ParameterError` is raised for what cannot be drawn.
+    most 2,000. A colour is a name, "#rrggbb" or "#rrggbbaa", those of Pillow's ImageColor, or red,
+    green, blue and perhaps alpha from 0 to 255, as in Pymunk's ``SpaceDebugColor``.
 
     Examples
     --------
@@ -56,7 +55,8 @@ class Draw:
 
     def __init__(self) -> None:
         self.calls: list[DrawCall] = []
-        self.texts: list[dict[str, Any]] = []
+        # Middles, texts, sizes and colours.
+        self.texts: list[tuple[float, float, str, float, Colour]] = []
         self.trails: dict[pymunk.Body | int, deque[_Point]] = {}
         # Those of the picture before.
         self.before: _Trails = {}
@@ -65,6 +65,22 @@ class Draw:
 
     def line(self, a: _Point, b: _Point, *more: _Point, color: _ColourLike = _COLOUR) -> None:
         """Draw a line through two or more points.
+
+        Parameters
+        ----------
+        a : point
+            Begin of the line.
+        b : point
+            The next point.
+        *more : point
+            Further points.
+        color : color
+            Colour of the line.
+
+        Raises
+        ------
+        ParameterError
+            If a point or the colour is unusable, or the picture has 2,000 calls.
 
         Examples
         --------
@@ -80,7 +96,23 @@ class Draw:
         color: _ColourLike = _COLOUR,
         fill: _ColourLike | None = None,
     ) -> None:
-        """Draw a circle; with `fill`, a disc of that colour.
+        """Draw a circle.
+
+        Parameters
+        ----------
+        center : point
+            Centre.
+        radius : float
+            Radius, in units of the space.
+        color : color
+            Colour of the outline.
+        fill : color, optional
+            Colour of the disc within it, which is otherwise not drawn.
+
+        Raises
+        ------
+        ParameterError
+            If an argument is unusable, or the picture has 2,000 calls.
 
         Examples
         --------
@@ -94,7 +126,21 @@ class Draw:
         self.calls.append(DrawCall("polygon", (around,), radius, inside, colour("color", color)))
 
     def arrow(self, begin: _Point, end: _Point, *, color: _ColourLike = _COLOUR) -> None:
-        """Draw an arrow from `begin` to `end`.
+        """Draw an arrow, whose head is a fifth of its length.
+
+        Parameters
+        ----------
+        begin : point
+            Where it begins.
+        end : point
+            Its tip.
+        color : color
+            Colour of the lines.
+
+        Raises
+        ------
+        ParameterError
+            If an argument is unusable, or the picture has 2,000 calls.
 
         Examples
         --------
@@ -121,6 +167,11 @@ class Draw:
         color : color
             Colour of the line.
 
+        Raises
+        ------
+        ParameterError
+            If an argument is unusable, or the picture has 2,000 calls.
+
         Examples
         --------
         >>> draw.trail(body, 200, color="steelblue")  # doctest: +SKIP
@@ -141,19 +192,32 @@ class Draw:
     def text(
         self, point: _Point, text: str, *, size: float = 14, color: _ColourLike = _COLOUR
     ) -> None:
-        """Write a text, whose middle is at a point; it may have several lines.
+        """Write a text.
 
-        The `size` is the height of the letters in pixels, up to 200.
+        Parameters
+        ----------
+        point : point
+            Where the middle of the text is.
+        text : str
+            The text, in one line or several.
+        size : float
+            Size of the letters, pixels, up to 200.
+        color : color
+            Colour of the letters.
+
+        Raises
+        ------
+        ParameterError
+            If an argument is unusable, or the picture has 2,000 calls.
 
         Examples
         --------
         >>> draw.text((0, 5), "Level 3", size=24)  # doctest: +SKIP
         """
         self._count()
-        x, y = _point("point", point)
-        found = {"x": x, "y": y, "text": label("text", text)}
-        found["size"] = positive("size", size, _MAX_SIZE, "pixels")
-        self.texts.append(found | {"colour": [*colour("color", color)]})
+        size = positive("size", size, _MAX_SIZE, "pixels")
+        place = _point("point", point)
+        self.texts.append((*place, label("text", text), size, colour("color", color)))
 
     def _line(self, points: Iterable[_Point], color: _ColourLike) -> None:
         """Record a line."""

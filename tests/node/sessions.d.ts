@@ -122,14 +122,8 @@ interface LiveFrame {
   texts?: DrawnText[];
 }
 
-/** A text that a program draws: its middle, height in pixels, and red, green, blue, alpha. */
-interface DrawnText {
-  x: number;
-  y: number;
-  text: string;
-  size: number;
-  colour: [number, number, number, number];
-}
+/** A text that a program draws: x, y, the text, its size in pixels; red, green, blue, alpha. */
+type DrawnText = [number, number, string, number, [number, number, number, number]];
 
 interface Effort {
   number: number;

@@ -8,9 +8,8 @@ const TEXT_RIM = 4; // pixels, as that of other texts
 function drawTexts(painter, { texts }) {
   const { context, colours, view } = painter;
   Object.assign(context, { strokeStyle: colours.background, lineWidth: TEXT_RIM });
-  for (const { x, y, text, size, colour } of texts) {
+  for (const [x, y, text, size, [red, green, blue, alpha]] of texts) {
     const [px, py] = view.toScreen(x, y);
-    const [red, green, blue, alpha] = colour;
     const lines = text.split("\n");
     painter.setFont(`600 ${size}px`, "center", "middle");
     context.fillStyle = `rgba(${red}, ${green}, ${blue}, ${alpha / 255})`;
