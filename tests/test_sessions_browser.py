@@ -298,7 +298,7 @@ def test_page_shows_keys_events_errors_and_charts_of_a_program(browser):
     with shown(
         browser, source_of(pymunk.Space, PlaySettings(controls=controls, events=events))
     ) as (_, page):
-        assert "↑" in page.inner_text("#actions")
+        assert "↑" in page.inner_text("#held-keys")
         page.keyboard.down("ArrowUp")
         # Another window has the focus when the key is released.
         page.evaluate("dispatchEvent(new Event('blur'))")

@@ -30,6 +30,7 @@ from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March
 from pymunk_dragon.sessions import ends
 from pymunk_dragon.sessions.controls import Button, Key, PygameEvents, Slider
+from pymunk_dragon.sessions.draw import Draw
 from pymunk_dragon.sessions.restore import FirstState
 from pymunk_dragon.sessions.scene import PARTS, PlaySettings
 from pymunk_dragon.sessions.scenes import SceneSource, march_scene, named_scene, space_scene
@@ -162,7 +163,7 @@ def live(
     follow: Callable[[pymunk.Space], pymunk.Body | tuple[float, float]] | None = None,
     title: str | None = None,
     show: Sequence[str] | None = None,
-    on_draw: Callable[[pymunk.Space, Any], object] | None = None,
+    on_draw: Callable[[pymunk.Space, Draw], object] | None = None,
     on_click: Callable[[pymunk.Space, pymunk.Vec2d, int], object] | None = None,
     y_down: bool = False,
     units: str = "m",
@@ -192,7 +193,7 @@ def live(
     on_step : callable, optional
         Function of the space and the time, s, that is called before each step.
     controls : sequence of Slider, Button, Key and PygameEvents
-        What the page has in addition.
+        What the page has in addition, each with a name of its own.
     plots : mapping of str to callable, optional
         Functions of the space whose values the page shows as charts, by their titles: over time, as
         histograms, or against each other.
@@ -212,9 +213,12 @@ def live(
         dragon "curve", "exact", "handles" and "numbers". By default nothing for a space, and the
         curve and contacts for a dragon.
     on_draw : callable, optional
-        Function of the space and of an object that draws, which is called for each picture.
+        Function of the space and a `Draw`, which draws lines, circles, arrows, trails and texts.
+        It is called for each picture that a page is sent, also while the session is paused.
     on_click : callable, optional
-        Function of the space, the point and the number of the button, which is called for a click.
+        Function of the space, the point, and the button (1 left, 2 middle, 3 right), which is
+        called between two steps for each click and tap with the tool "Program"; the page begins
+        with this tool. It then still drags bodies.
     y_down : bool
         Whether y points down.
     units : str
@@ -293,7 +297,14 @@ def _check_settings(settings: PlaySettings) -> None:
     if settings.on_step is not None:
         function("on_step", settings.on_step)
     described = "a sequence of Slider, Button, Key and others"
-    instances("controls", settings.controls, Slider | Button | PygameEvents, described)
+    controls = instances("controls", settings.controls, Slider | Button | PygameEvents, described)
+    names = [each.name for each in controls if not isinstance(each, PygameEvents)]
+    for name in names:
+        if names.count(name) > 1:
+            raise ParameterError("controls", name, "the name of one control only")
+    if settings.on_click is not None and len(names) < len(controls):
+        bound = "left out beside PygameEvents, which get the mouse"
+        raise ParameterError("on_click", settings.on_click, bound)
 
     plots = instance("plots", settings.plots, Mapping, "a mapping of titles to functions")
     for title, plot in plots.items():

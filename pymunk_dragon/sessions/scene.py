@@ -29,6 +29,7 @@ from pymunk_dragon.physics.readings import (
 )
 from pymunk_dragon.physics.substep import next_length
 from pymunk_dragon.sessions.controls import Button, Key, PygameEvents, Slider, slider_around
+from pymunk_dragon.sessions.draw import Draw
 from pymunk_dragon.web.frames import in_binary, packed
 
 # Largest acceleration of a body by the hand, m/s^2, as in Box2D's testbed.
@@ -63,7 +64,7 @@ class PlaySettings:
     title: str | None = None
     # Parts of the picture that are shown at first: words of `PARTS`.
     show: Sequence[str] | None = None
-    on_draw: Callable[[pymunk.Space, Any], object] | None = None
+    on_draw: Callable[[pymunk.Space, Draw], object] | None = None
     on_click: Callable[[pymunk.Space, pymunk.Vec2d, int], object] | None = None
 
 
@@ -98,6 +99,8 @@ class Scene:
         self._recorder = DrawRecorder()
         self._recorder.flags = self.drawn
         self._readings = Readings(space)
+        # What `on_draw` drew last.
+        self._drawing = Draw()
 
         controls = settings.controls
         self.pygame = next((each for each in controls if isinstance(each, PygameEvents)), None)
@@ -140,12 +143,16 @@ class Scene:
         raise ParameterError("follow", found, f"a pymunk.Body or a point{_written_at(follow)}")
 
     def picture(self) -> bytes:
-        """PNG of what the page shows at first."""
+        """PNG of what the page shows at first, without texts."""
         view = dict(self.view)
         # The page shows an error of the user's function.
         with suppress(Exception):
             view["centre"] = self.focus() or view["centre"]
-        return still(self.space, view, y_down=self.settings.y_down, flags=self.drawn)
+        with suppress(Exception):
+            self.draw()
+        y_down = self.settings.y_down
+        more = self._drawing.calls
+        return still(self.space, view, y_down=y_down, flags=self.drawn, more=more)
 
     def advance(self) -> None:
         """Make a step; an error is raised if a body has no finite position after it."""
@@ -226,6 +233,13 @@ class Scene:
         """Pass the pointer to a pygame program, whose window has its origin at the upper left."""
         down = y if self.settings.y_down else self.view["size"][1] - y
         self.pygame_events().pointer(x, down, kind, button)
+
+    def click(self, x: float, y: float, button: int) -> None:
+        """Call the function for clicks."""
+        if self.settings.on_click is None:
+            raise ParameterError("message", "click", "an action that this scene has")
+        self.settings.on_click(self.space, pymunk.Vec2d(x, y), button)
+        self._wake()
 
     def pygame_events(self) -> PygameEvents:
         """The keys and the mouse of a pygame program; an error is raised in other scenes."""
@@ -335,6 +349,7 @@ class Scene:
             "parameters": parameters,
             "buttons": buttons,
             "keys": ["*"] if self.pygame else keys,
+            "clicks": self.settings.on_click is not None,
             "dragon": None,
             "step": self.step_length,
             "y_down": self.settings.y_down,
@@ -377,6 +392,18 @@ class Scene:
             raise ParameterError(f"the value of the chart {title!r}", value, "a number")
         return number(float(value) if isinstance(value, bool | np.bool_) else value)
 
+    def draw(self) -> None:
+        """Draw what the user's function draws on the next frame, up to an error in it."""
+        on_draw = self.settings.on_draw
+        if on_draw is None:
+            return
+        before = self._drawing.trails
+        self._drawing = Draw()
+        self._drawing.before = before
+        result = on_draw(self.space, self._drawing)
+        if result is not None:
+            raise ParameterError("the value of on_draw", result, f"None{_written_at(on_draw)}")
+
     def frame(self, header: Mapping[str, Any]) -> bytes:
         """The present state in the format of `in_binary`; `header` is the session's part of it."""
         pull = self._held
@@ -391,10 +418,11 @@ class Scene:
     def _parts(self) -> tuple[dict[str, Any], dict[str, Array]]:
         """Parts of the header and arrays of a frame."""
         self.space.debug_draw(self._recorder)
-        calls, colours = packed(self._recorder.calls, grip)
+        calls, colours = packed([*self._recorder.calls, *self._drawing.calls], grip)
         joints = self._readings.joints(self.joints())
         contacts = self._readings.contacts()
-        return {"colours": colours}, {"calls": calls, "joints": joints, "contacts": contacts}
+        header = {"colours": colours, "texts": self._drawing.texts}
+        return header, {"calls": calls, "joints": joints, "contacts": contacts}
 
 
 def _written_at(function: Callable[..., object]) -> str:

@@ -364,6 +364,7 @@ class Session:
         with self._watched():
             try:
                 header["focus"] = self.scene.focus()
+                self.scene.draw()
                 if self.clock.plot_is_due(now):
                     values = [*self.scene.plots().values()]
                     about = {"kind": "plots", "time": self.scene.time, "values": values}
@@ -499,19 +500,20 @@ def _ignored(error: dict[str, Any]) -> None:
 def described(error: BaseException) -> dict[str, Any]:
     """An exception as a message.
 
-    An exception in a function of the user's has its line and the end of the traceback in addition.
+    One that passes through a function of the user's has its line and the end of the traceback in
+    addition.
     """
-    if isinstance(error, DragonError):
-        return {"kind": "error", "text": str(error)}
-
     frames = traceback.extract_tb(error.__traceback__)
     own = [frame for frame in frames if not frame.filename.startswith((_PACKAGE, _PYMUNK))]
+    if isinstance(error, DragonError) and not own:
+        return {"kind": "error", "text": str(error)}
+
     own = own or frames
     last = own[-1]
     place = f"{Path(last.filename).name}, line {last.lineno}: {last.line}"
     trace = "".join(traceback.format_list(own[-_TRACE_CALLS:]))
 
-    text = f"{type(error).__name__}: {error}"
+    text = str(error) if isinstance(error, DragonError) else f"{type(error).__name__}: {error}"
     for note in getattr(error, "__notes__", ()):
         text += f" ({note})"
     return {"kind": "error", "text": text, "place": place, "trace": trace}

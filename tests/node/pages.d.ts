@@ -73,6 +73,7 @@ interface RecordedMoment extends Moment<Recording, Poses & Rates> {
 
 interface LiveMoment extends Moment {
   calls: Call[];
+  texts: DrawnText[];
   joints: Joint[];
   cuts: number[];
   /** Points, normals and impulses of contacts. */

@@ -43,6 +43,7 @@ interface LiveScene {
   plots: [string, string][];
   buttons: string[];
   keys: string[];
+  clicks: boolean;
   scenes: { name: string; title: string }[];
   step: number;
   given: boolean;
@@ -118,7 +119,11 @@ interface LiveFrame {
   contacts: Float64Array;
   joints: Float64Array;
   calls: Call[];
+  texts?: DrawnText[];
 }
+
+/** A text that a program draws: x, y, the text, its size in pixels; red, green, blue, alpha. */
+type DrawnText = [number, number, string, number, [number, number, number, number]];
 
 interface Effort {
   number: number;

@@ -26,6 +26,7 @@ const LIVE_LAYERS = [
   drawNumbers,
   drawCuts,
   drawImpulses,
+  drawTexts,
   drawHeld,
   drawTarget,
   drawAim,
@@ -67,7 +68,7 @@ class Live extends Stage {
     this.fits = false;
     this.fitted = false;
     this.drawn = 0;
-    // Keys of the scene that are down: codes, and the names that were sent.
+    // Keys of the scene that are down: what holds each, and the names that were sent.
     /** @type {Map<string, string>} */
     this.pressed = new Map();
     this.announce = throttled((text) => setText("announcement", text), ANNOUNCE_EVERY);

@@ -89,13 +89,8 @@ function showAbilities(live) {
     const onclick = () => live.send({ do: "press", name, down: true });
     return created("button", { type: "button", className: "plain sends", onclick }, name);
   });
-  const keys = live.scene.keys
-    .filter((key) => key !== "*")
-    .map((key) => created("kbd", {}, keySign(key)));
-  element("actions").replaceChildren(
-    ...buttons,
-    ...(keys.length ? [localized("Keys"), ...keys] : []),
-  );
+  element("actions").replaceChildren(...buttons);
+  showKeyButtons(live);
   // The help has no keys of what the scene has not.
   for (const [k, [each]] of withKeys().entries()) {
     element("keys").children[k].toggleAttribute("hidden", each.closest("[hidden]") !== null);
