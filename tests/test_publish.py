@@ -398,16 +398,27 @@ def test_page_plays_a_program_shows_its_fault_and_stops_one_that_hangs(
         assert found.complaints == []
 
 
+@pytest.fixture(scope="module")
+def site(pyodide, tmp_path_factory):
+    """A site of three lessons: one without Pymunk, and two with scenes of it."""
+    names = ("chain", "tension", "callbacks")
+    lessons = {name: pymunk_dragon.lessons.LESSONS[name] for name in names}
+    folder = tmp_path_factory.mktemp("site")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("pymunk_dragon.publish.site.LESSONS", lessons)
+        publish_site(folder, runtime=pyodide)
+    return folder
+
+
 @pytest.mark.thorough
 @needs_browser
-def test_site_plays_a_scene_of_a_link_and_one_of_a_lesson(browser, pyodide, tmp_path, monkeypatch):
-    lessons = {name: pymunk_dragon.lessons.LESSONS[name] for name in ("tension", "callbacks")}
-    monkeypatch.setattr("pymunk_dragon.publish.site.LESSONS", lessons)
-    publish_site(tmp_path / "site", runtime=pyodide)
-    with served(tmp_path / "site") as address:
+def test_site_plays_a_scene_of_a_link(browser, site):
+    with served(site) as address:
         link = f"{address}live.html#scene=boxes&set.rows=4&t=0.5"
         with opened(browser, link) as found:
             page = found.page
+            # The picture of the page is that of another scene.
+            assert page.is_hidden("#begin-picture")
             page.click("#begin-play")
             wait_until(page, "live.frame?.time >= 0.4999")
             assert page.evaluate("[live.state.running, live.state.values.rows]") == [False, 4]
@@ -416,17 +427,60 @@ def test_site_plays_a_scene_of_a_link_and_one_of_a_lesson(browser, pyodide, tmp_
             wait_until(page, "live.scene.name === 'cradle' && live.frame?.time > 0")
             assert found.complaints == []
 
-        # One worker plays one experiment after the other.
-        with opened(browser, address) as found:
-            page = found.page
-            for name, lesson in lessons.items():
-                page.click(f"#{name} .open-unguessed")
-                frame = page.wait_for_selector(f"#{name} iframe").content_frame()
-                wait_until(frame, "globalThis.live?.frame?.time > 0")
-                assert frame.evaluate("live.scene.name") == lesson.options["scene"]
-                assert len(page.workers) == 1
-            assert page.locator("iframe").count() == 1
+
+def play_scenes_of_lessons(page, lessons):
+    """Play the scene of each lesson, in one worker; before it begins, its recording is shown."""
+    for name in ("tension", "callbacks"):
+        recording = lessons.get_attribute(f"#{name} figure img", "src")
+        lessons.click(f"#{name} .open-unguessed")
+        frame = lessons.wait_for_selector(f"#{name} iframe").content_frame()
+        frame.wait_for_selector("#begin-picture", state="attached")
+        wait_until(frame, "globalThis.live?.frame?.time > 0")
+        assert frame.get_attribute("#begin-picture", "src") == recording
+        scene = pymunk_dragon.lessons.LESSONS[name].options["scene"]
+        assert frame.evaluate("live.scene.name") == scene
+        assert len(page.workers) == 1
+    assert lessons.locator("iframe").count() == 1
+
+
+@pytest.mark.thorough
+@needs_browser
+def test_one_worker_plays_one_experiment_after_the_other(browser, site):
+    with served(site) as address, opened(browser, address) as found:
+        play_scenes_of_lessons(found.page, found.page)
+        assert found.complaints == []
+
+
+@contextmanager
+def boxed(browser, address, sandbox):
+    """Open a page in a frame with a sandbox, on a page of the same server."""
+    around = (
+        f'<!doctype html><iframe sandbox="{sandbox}" width="1200" height="700" src="."></iframe>'
+    )
+    with opened(browser, "about:blank") as found:
+        found.page.route(
+            "**/around.html", lambda route: route.fulfill(body=around, content_type="text/html")
+        )
+        found.page.goto(f"{address}around.html")
+        yield found, found.page.wait_for_selector("iframe").content_frame()
+
+
+@pytest.mark.thorough
+@needs_browser
+def test_lessons_in_a_sandbox_play_what_it_allows(browser, site):
+    with served(site) as address:
+        with boxed(browser, address, "allow-scripts") as (found, lessons):
+            lessons.click("#chain .open-unguessed")
+            lessons.wait_for_selector("#chain .stage canvas")
+            lessons.click("#tension .open-unguessed")
+            assert lessons.evaluate("document.querySelector('#tension img').naturalWidth > 0")
+            # Where the frame opens no window, the address can be copied.
+            link = f"{address}live.html#scene=tension"
+            assert lessons.locator("#tension figure a").evaluate("each => each.href") == link
+            assert link in lessons.inner_text("#tension figure a")
             assert found.complaints == []
+        with boxed(browser, address, "allow-scripts allow-same-origin") as (found, lessons):
+            play_scenes_of_lessons(found.page, lessons)
 
 
 @pytest.mark.thorough
