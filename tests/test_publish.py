@@ -131,10 +131,42 @@ def test_page_has_the_title_and_the_text_of_the_program_and_keeps_to_its_own_ser
     page = BeautifulSoup((tmp_path / "site/index.html").read_text("utf-8"), "html.parser")
     assert (page.title.text, page.find(id="text").text) == ("A ball above a floor", "Drop it.")
     assert page.find("meta", {"name": "description"})["content"] == "Drop it."
+    # The address of the page is not known.
+    assert page.find(rel="canonical") is None
     picture = page.find("meta", property="og:image")["content"]
     assert (tmp_path / "site" / picture).read_bytes().startswith(b"\x89PNG")
     policy = page.find("meta", {"http-equiv": "Content-Security-Policy"})["content"]
     assert {"worker-src 'self'", "connect-src 'self'"} <= set(policy.split("; "))
+
+
+def test_pages_at_a_known_address_say_where_they_and_their_pictures_are(
+    program, copy, tmp_path, monkeypatch
+):
+    lesson = pymunk_dragon.lessons.LESSONS["spiral"]
+    monkeypatch.setattr("pymunk_dragon.publish.site.LESSONS", {"spiral": lesson})
+    for folder in ("https://example.org/dragon", "https://example.org/dragon/"):
+        site = tmp_path / str(len(folder))
+        publish_site(site, runtime=copy, address=folder)
+        for name in ("index.html", "live.html", "player.html"):
+            page = BeautifulSoup((site / name).read_text("utf-8"), "html.parser")
+            said = {each["property"]: each["content"] for each in page.find_all(property=True)}
+            here = f"https://example.org/dragon/{name}"
+            assert page.find(rel="canonical")["href"] == said["og:url"] == here
+            assert said["og:title"]
+            picture = said["og:image"].removeprefix("https://example.org/dragon/")
+            assert (site / picture).read_bytes().startswith(b"\x89PNG")
+            assert page.find("meta", {"name": "description"})["content"]
+
+
+@pytest.mark.parametrize(
+    "address", ["", "example.org", "ftp://a/b", "https://a/b?c", "https://", 7]
+)
+def test_address_that_no_page_can_have_is_refused(program, copy, tmp_path, address):
+    include = [program.with_name("helper.py")]
+    folder = tmp_path / "site"
+    with pytest.raises(DragonError, match="address"):
+        publish_program(program, folder, include=include, runtime=copy, address=address)
+    assert not folder.exists()
 
 
 def test_folder_has_a_whole_wheel_of_this_package(program, copy, tmp_path):

@@ -436,6 +436,7 @@ CALLS = {
             "folder": ("new", "text path"),
             "include": ([], "texts empty"),
             "runtime": (".", "text path none"),
+            "address": (None, "text none"),
         },
     ),
     "publish_site": (
@@ -443,6 +444,7 @@ CALLS = {
         {
             "folder": ("new", "text path"),
             "runtime": (".", "text path"),
+            "address": (None, "text none"),
             "progress": (FUNCTION, "function"),
         },
     ),
