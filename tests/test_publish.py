@@ -8,9 +8,7 @@ import functools
 import http.server
 import io
 import json
-import os
 import re
-import shutil
 import sys
 import threading
 import zipfile
@@ -21,6 +19,7 @@ from pathlib import Path
 from types import ModuleType, SimpleNamespace
 
 import documentation
+import in_node
 import pytest
 from browser import needs_browser, opened, wait_until
 from bs4 import BeautifulSoup
@@ -66,15 +65,9 @@ controls = [Slider("height", 1, 3, rebuilds=True), Button("Divide", divide), But
 with live(build, step=1 / 240, controls=controls) as session:
     input(f"{session.address} {session.watch_address} shows it; Enter ends it. ")
 '''
-# What the worker loads of Pyodide, and the name of a wheel for it.
-PYODIDE = ["pyodide.mjs", "pyodide.asm.mjs", "pyodide.asm.wasm", "python_stdlib.zip"]
-PYODIDE += ["pyodide-lock.json"]
+# The name of a wheel for Pyodide.
 TAG = "cp314-cp314-pyemscripten_2026_0_wasm32.whl"
 PYMUNK = f"pymunk-{version('pymunk')}-{TAG}"
-# Where tests find Pyodide.
-NPM = Path(__file__).parent / "node/node_modules/pyodide"
-RUNTIME = Path(os.environ.get("PYODIDE_RUNTIME") or NPM)
-WHEELS = os.environ.get("PYODIDE_WHEELS")
 
 
 @pytest.fixture
@@ -92,7 +85,7 @@ def copy(tmp_path):
     """A folder with files named as those of a copy of Pyodide; each holds its name."""
     folder = tmp_path / "copy"
     folder.mkdir()
-    for name in (*PYODIDE, PYMUNK, f"numpy-2-{TAG}", f"cffi-2-{TAG}", f"pillow-12-{TAG}"):
+    for name in (*in_node.FILES, PYMUNK, f"numpy-2-{TAG}", f"cffi-2-{TAG}", f"pillow-12-{TAG}"):
         (folder / name).write_text(name)
     return folder
 
@@ -113,7 +106,7 @@ def test_folder_has_all_that_its_page_loads(program, copy, tmp_path):
     assert site["files"] == ["ball.py", "helper.py"]
     assert (folder / "files/ball.py").read_text() == PROGRAM
     # Some servers give .mjs a wrong type.
-    for name in PYODIDE:
+    for name in in_node.FILES:
         published = folder / "pyodide" / name.replace(".mjs", ".js")
         assert published.read_text() == name
     names = {Path(wheel).name.partition("-")[0] for wheel in site["wheels"]}
@@ -359,18 +352,10 @@ def test_worker_runs_the_texts_of_a_program_and_posts_what_it_shows(post):
 @pytest.fixture(scope="module")
 def pyodide(tmp_path_factory):
     """A copy of Pyodide with its wheels, and Pymunk's."""
-    if not (RUNTIME / "pyodide.mjs").is_file():
-        pytest.skip("no Pyodide: npm install in tests/node, or PYODIDE_RUNTIME names its folder")
-    if WHEELS is None:
-        pytest.skip("no wheels for Pyodide: PYODIDE_WHEELS names their folder")
-    folder = tmp_path_factory.mktemp("pyodide")
-    for file in (*(RUNTIME / name for name in PYODIDE), *Path(WHEELS).glob("*.whl")):
-        shutil.copy(file, folder)
     try:
-        runtime._download(folder)
-    except DragonError as error:
+        return in_node.copy_for_pages(tmp_path_factory.mktemp("pyodide"))
+    except in_node.CannotRunError as error:
         pytest.skip(str(error))
-    return folder
 
 
 @contextmanager
