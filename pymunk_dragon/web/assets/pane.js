@@ -79,8 +79,8 @@ class Pane {
   }
 
   // Axes of a chart with the ranges `across` and `up`; what is drawn next is clipped to them.
-  // `tick` writes a value, and those of the vertical axis are at least `apart` pixels apart. Only a
-  // chart with a name has values below it.
+  // `tick` writes a value, and those of the vertical axis are at least `apart` pixels apart, or
+  // left out. Only a chart with a name has values below it.
   /** @type {(axes: ChartAxes) => void} */
   axes({
     across: [x0, x1],
@@ -109,7 +109,7 @@ class Pane {
       );
       this.text([x, y0], tick(x), { dy: 15, colour: "quiet" });
     }
-    for (const y of ticks(y0, y1, this.sy / apart)) {
+    for (const y of apart < Infinity ? ticks(y0, y1, this.sy / apart) : []) {
       this.line(
         [
           [x0, y],

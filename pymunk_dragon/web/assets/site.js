@@ -4,7 +4,7 @@ const LOOK_EVERY = 1000; // ms: whether the worker answers, and what the link ha
 const STATE_DIGITS = 3; // decimals of the time in a link
 const SET = "set."; // before the name of a slider in a link
 const PICTURED = "dragon"; // the scene of the picture where no program has the page
-// Scene for a frame on the page of a lesson.
+// Scene for a frame on the page of a guide.
 const STAGE = new URLSearchParams(location.hash.slice(1)).get("stage");
 
 // Why this browser cannot run the engine here; empty if it can.
@@ -25,10 +25,9 @@ function hindrance() {
   return able ? "" : localized("This browser is too old for the engine.");
 }
 
-// The picture before the engine is there; that of a lesson is on the page around its frame.
+// The picture before the engine is there, if it is one of the scene of the link.
 /** @type {(site: Site) => string | undefined} */
 function firstPicture({ title, picture }) {
-  if (STAGE) return frameElement?.parentElement?.dataset.picture;
   const scene = LINKED.get("scene") ?? PICTURED;
   return title || scene === PICTURED ? picture : undefined;
 }
