@@ -98,7 +98,7 @@ class DrawCall:
     Lengths have the space's units, and colours are those of Pymunk, 0 to 255.
 
     `name` is "circle", "segment" or "polygon" for shapes, "line" or "dot" for constraints, and
-    "contact". `points` has a centre, the ends of a line, or corners. The `radius` of a dot is in
+    "contact". `points` has a centre, the points of a line, or corners. The `radius` of a dot is in
     pixels. Only what is drawn for a `shape` has an `outline`, and only circles have an `angle`,
     rad.
     """
