@@ -57,10 +57,11 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from io import BytesIO
-from itertools import chain
+from itertools import chain, pairwise
+from typing import Any
 
 import pymunk
-from PIL import Image, ImageDraw, ImageOps
+from PIL import Image, ImageColor, ImageDraw, ImageOps
 from pymunk.space_debug_draw_options import SpaceDebugColor as Colour
 
 from pymunk_dragon._checks import finite, flag, instance
@@ -308,11 +309,16 @@ def area(space: pymunk.Space) -> tuple[float, float, float, float]:
 
 
 def still(
-    space: pymunk.Space, field: Mapping[str, Sequence[float]], *, y_down: bool, flags: int
+    space: pymunk.Space,
+    field: Mapping[str, Sequence[float]],
+    *,
+    y_down: bool,
+    flags: int,
+    more: Sequence[DrawCall],
 ) -> bytes:
     """PNG of a part of a space, of a centre and a size.
 
-    The `flags` of debug drawing choose what is drawn.
+    The `flags` of debug drawing choose what is drawn; `more` is drawn over it.
     """
     options = PillowDrawOptions(Image.new("RGB", _STILL_SIZE, "white"), positive_y_is_up=not y_down)
     options.flags = flags
@@ -320,9 +326,22 @@ def still(
     width, height = field["size"]
     options.fit(pymunk.BB(x - width / 2, y - height / 2, x + width / 2, y + height / 2))
     space.debug_draw(options)
+    with options:
+        options.calls += more
     file = BytesIO()
     options.image.save(file, "png")
     return file.getvalue()
+
+
+def colour(name: str, value: Any) -> Colour:
+    """A colour of Pymunk's from a name, a text as "#rrggbb", or three or four numbers."""
+    try:
+        numbers: Any = ImageColor.getcolor(value, "RGBA") if isinstance(value, str) else value
+        red, green, blue, *alpha = (finite(name, each, 0, 255, "") for each in numbers)
+        return Colour(red, green, blue, *alpha or [255])
+    except (TypeError, ValueError):
+        bound = "the name of a colour, #rrggbb, or 3 or 4 numbers from 0 to 255"
+        raise ParameterError(name, value, bound) from None
 
 
 def _paint(draw: ImageDraw.ImageDraw, view: pymunk.Transform, line: float, call: DrawCall) -> None:
@@ -342,8 +361,8 @@ def _paint(draw: ImageDraw.ImageDraw, view: pymunk.Transform, line: float, call:
         reach = _COLLISION_MARK * line * (end - begin).normalized()
         points = [middle - reach, middle + reach]
     if call.name in ("contact", "line"):
-        begin, end = points
-        _paint_line(draw, begin, end, width, fill)
+        for begin, end in pairwise(points):
+            _paint_line(draw, begin, end, width, fill)
         return
 
     if call.name == "segment":

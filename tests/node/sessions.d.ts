@@ -43,11 +43,13 @@ interface LiveScene {
   plots: [string, string][];
   buttons: string[];
   keys: string[];
+  clicks: boolean;
   scenes: { name: string; title: string }[];
   step: number;
   given: boolean;
   replays: boolean;
   resets: boolean;
+  show: string[];
 }
 
 interface Obstacle {
@@ -109,7 +111,6 @@ interface LiveFrame {
   waits: boolean;
   held: [number, number, number, number] | null;
   touching: number[];
-  plots?: (number | null)[];
   sizes: Record<string, number>;
   poses: Float64Array;
   exact: Float64Array;
@@ -118,7 +119,11 @@ interface LiveFrame {
   contacts: Float64Array;
   joints: Float64Array;
   calls: Call[];
+  texts?: DrawnText[];
 }
+
+/** A text that a program draws: x, y, the text, its size in pixels; red, green, blue, alpha. */
+type DrawnText = [number, number, string, number, [number, number, number, number]];
 
 interface Effort {
   number: number;
