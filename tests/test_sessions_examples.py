@@ -14,14 +14,13 @@ import numpy as np
 import pymunk
 import pytest
 from documents import GUIDES
-from live_sessions import Listener, decoded
+from live_sessions import Listener, drawn_in
 from test_sessions_input import keep_queries
 
 from pymunk_dragon.sessions import Live
 from pymunk_dragon.sessions.scene import PlaySettings, Scene
 
 EXAMPLES = Path(pymunk.__file__).parent / "examples"
-KINDS = ("circle", "segment", "polygon", "line", "dot")
 
 
 class ReachedStepError(BaseException):
@@ -81,28 +80,18 @@ def spaces(monkeypatch):
     return found
 
 
-def received(scene):
-    """What the page gets of a scene, as `Drawn` has it, and the number of contact points."""
-    frame, calls = decoded(scene.frame({})), []
-    numbers = frame.calls.tolist()
-    while numbers:
-        kind, count, radius, angle, fill, outline, _ = numbers[:7]
-        points = np.reshape(numbers[7 : 7 + 2 * int(count)], (-1, 2))
-        rim = frame.colours[int(outline)] if outline >= 0 else None
-        calls.append((KINDS[int(kind)], points, radius, angle, frame.colours[int(fill)], rim))
-        del numbers[: 7 + 2 * int(count)]
-    return calls, len(frame.contacts)
-
-
 def assert_drawn_alike(scene, name):
     reference = Drawn()
     scene.space.debug_draw(reference)
-    calls, contacts = received(scene)
+    calls, frame = drawn_in(scene)
+    contacts = len(frame.contacts)
     assert len(calls) == len(reference.found), name
     for call, expected in zip(calls, reference.found, strict=True):
         assert call[0] == expected[0], name
         np.testing.assert_allclose(call[1], expected[1], rtol=1e-6, atol=1e-6, err_msg=name)
-        np.testing.assert_allclose(call[2:4], expected[2:4], rtol=1e-6, err_msg=name)
+        np.testing.assert_allclose(call[2], expected[2], rtol=1e-6, err_msg=name)
+        turned = math.remainder(float(call[3]) - expected[3], math.tau)
+        assert abs(turned) < 1e-6, name
         assert [call[4], call[5]] == [
             None if each is None else list(each) for each in expected[4:]
         ], name

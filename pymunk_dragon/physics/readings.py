@@ -243,6 +243,9 @@ class Contacts:
         self._ratio = 1.0
         # Pairs after the steps before the last one, the latest at the end.
         self._before: deque[tuple[Array, Any]] = deque()
+        # The bodies of the space by age, and numbers, which take long to read.
+        self._bodies: list[pymunk.Body] = []
+        self._ids = np.array([], np.uintp)
 
     def before_step(self, length: float) -> None:
         """Read what the next step, which takes `length` s, overwrites."""
@@ -292,18 +295,26 @@ class Contacts:
         """Pairs without those that sleep, which Pymunk may list, and does not draw."""
         if math.isinf(self._space.sleep_time_threshold):
             return pairs, flags
-        asleep = [body.id for body in self._space.bodies if body.is_sleeping]
-        awake = ~np.isin(flags[:, :2], np.array(asleep, np.uintp)).any(axis=1)
+        asleep = self._numbers()[1:][[body.is_sleeping for body in self._bodies]]
+        awake = ~np.isin(flags[:, :2], asleep).any(axis=1)
         return pairs[awake], flags[awake]
+
+    def _numbers(self) -> Any:
+        """Numbers (1 + B,) of the space's own body and the others, by age."""
+        bodies = list(self._space.bodies)
+        if bodies != self._bodies or not self._ids.size:
+            self._bodies = bodies
+            everybody = [self._space.static_body, *bodies]
+            self._ids = np.array([body.id for body in everybody], np.uintp)
+        return self._ids
 
     def _signs(self, flags: Any) -> Array:
         """1 for pairs (P,) whose first body is the older one, otherwise -1."""
-        ages = {body.id: age for age, body in enumerate(self._space.bodies)}
-        signs = [
-            1.0 if ages.get(first, -1) <= ages.get(second, -1) else -1.0
-            for first, second in flags[:, :2].tolist()
-        ]
-        return np.array(signs)
+        ids = self._numbers()
+        order = np.argsort(ids)
+        ages = order[np.searchsorted(ids[order], flags[:, :2])]
+        signs: Array = np.where(ages[:, 0] <= ages[:, 1], 1.0, -1.0)
+        return signs
 
     def _impulses(self, pairs: Array, flags: Any) -> Array:
         """Sizes (P,) of the impulses of pairs in the last step."""

@@ -27,6 +27,7 @@ from pymunk_dragon.physics.readings import (
 )
 from pymunk_dragon.physics.substep import next_length
 from pymunk_dragon.sessions.controls import Button, Key, PygameEvents, Slider, slider_around
+from pymunk_dragon.sessions.outlines import Outlines
 from pymunk_dragon.web.frames import in_binary, packed
 
 # Largest acceleration of a body by the hand, m/s^2, as in Box2D's testbed.
@@ -93,6 +94,11 @@ class Scene:
         self._held: pymunk.PivotJoint | None = None
         self._recorder = DrawRecorder()
         self._recorder.flags = self.drawn
+        self._joint_recorder = DrawRecorder()
+        self._joint_recorder.flags = DrawRecorder.DRAW_CONSTRAINTS
+        self._outlines = Outlines(space)
+        # The shapes of the last frame, as a page gets them before; none of a dragon.
+        self.outlines = b""
         self._readings = Readings(space)
 
         controls = settings.controls
@@ -364,8 +370,10 @@ class Scene:
 
     def _parts(self) -> tuple[dict[str, Any], dict[str, Array]]:
         """Parts of the header and arrays of a frame."""
-        self.space.debug_draw(self._recorder)
-        calls, colours = packed(self._recorder.calls, grip)
-        joints = self._readings.joints(self.joints())
-        contacts = self._readings.contacts()
-        return {"colours": colours}, {"calls": calls, "joints": joints, "contacts": contacts}
+        arrays = {"bodies": self._outlines.poses()}
+        self.outlines = self._outlines.frame
+        self.space.debug_draw(self._joint_recorder)
+        arrays["calls"], colours = packed(self._joint_recorder.calls, grip)
+        arrays["joints"] = self._readings.joints(self.joints())
+        arrays["contacts"] = self._readings.contacts()
+        return {"colours": colours}, arrays

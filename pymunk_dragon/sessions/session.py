@@ -358,7 +358,7 @@ class Session:
                 header["plots"] = list(self.scene.plots().values())
             frame = self.scene.frame(header)
             for client in self.clients:
-                client.show(frame)
+                client.show(frame, self.scene.outlines)
         self.clock.frame_was_made()
 
     def _tell_events(self, now: float) -> None:

@@ -90,10 +90,19 @@ interface Shape {
 
 interface Call extends Shape {
   angle: number;
+  /** Distance from the first point within which all of it is. */
+  reach: number;
   fill: string;
   outline?: string;
   opaque: boolean;
   grip: number;
+}
+
+/** Shapes in the coordinates of the bodies that own them: rows of `LiveFrame.bodies`. */
+interface ShapesFrame {
+  calls: Float32Array;
+  colours?: number[][];
+  owners: Float32Array;
 }
 
 interface LiveFrame {
@@ -114,6 +123,9 @@ interface LiveFrame {
   forces: Float32Array;
   contacts: Float32Array;
   joints: Float32Array;
+  /** Poses of the space and of its bodies. */
+  bodies: Float32Array;
+  shapes: ShapesFrame;
   calls: Call[];
 }
 

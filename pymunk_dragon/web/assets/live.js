@@ -43,8 +43,11 @@ class Live extends Stage {
     this.frame = NOTHING_YET;
     /** @type {Model} */
     this.model = NOTHING_YET;
-    /** @type {ArrayBuffer | null} */
+    /** @type {LiveFrame | null} */
     this.newest = NOTHING_YET;
+    /** @type {ShapesFrame} */
+    this.shapes = NOTHING_YET; // those of the next frames
+    this.placed = new PlacedShapes(NO_SHAPES);
     /** @type {LiveMoment | null} */
     this.cachedMoment = null;
     /** @type {Parameter[]} */
@@ -107,8 +110,13 @@ class Live extends Stage {
 
   /** @type {(buffer: ArrayBuffer) => void} */
   receiveFrame(buffer) {
-    // Only frames that are drawn are decoded.
-    this.newest = buffer;
+    const found = decodeFrame(buffer);
+    if (found.owners) {
+      this.shapes = found;
+      return;
+    }
+    found.shapes = this.shapes;
+    this.newest = found;
     this.requestDraw();
   }
 
@@ -227,13 +235,21 @@ class Live extends Stage {
 
   decode() {
     if (!this.newest) return;
-    const frame = decodeFrame(this.newest);
-    /** @type {ArrayBuffer | null} */
+    const frame = this.newest;
     this.newest = null;
     if (frame.generation !== this.scene?.generation) return;
     this.frame = frame;
     this.cachedMoment = null;
+    frame.calls = this.callsIn(frame);
     this.charts.add(frame);
+  }
+
+  // What Pymunk draws in a frame; a dragon has nothing of it.
+  /** @type {(frame: LiveFrame) => Call[]} */
+  callsIn(frame) {
+    if (!frame.bodies.length) return [];
+    if (this.placed.message !== frame.shapes) this.placed = new PlacedShapes(frame.shapes);
+    return [...this.placed.at(posesOf(frame.bodies)), ...callsOf(frame)];
   }
 
   /** @type {(now: number) => void} */
