@@ -3,9 +3,10 @@
 const SHAPE_OUTLINE = 1; // pixels
 const JOINT_WIDTH = 1.5; // pixels
 const DOT_SIZE = 0.6; // radius of a dot over Pymunk's
-// Outlines that share a path, because drawing a path costs more than extending it; a long path
-// takes longer for each shape.
-const MOST_TOGETHER = 50;
+// Outlines that share a path, because drawing a path costs more than extending it. Closing a part
+// takes the longer the longer the path is; circles are not closed.
+const MOST_CIRCLES = 1000;
+const MOST_OTHERS = 50;
 
 // Add the outline of a convex polygon, a line or a point on the screen, at a distance around it.
 /** @type {(path: CanvasPath, corners: Point[], distance: number) => void} */
@@ -57,7 +58,8 @@ function drawCalls({ context, view }, { calls }) {
   for (const call of calls) {
     const [[x, y]] = call.points;
     if (!view.isVisible(x, y, call.reach)) continue;
-    if (run.length === MOST_TOGETHER || !(run.length && sharesPaint(run[0], call))) {
+    const most = call.kind === "circle" ? MOST_CIRCLES : MOST_OTHERS;
+    if (run.length >= most || !(run.length && sharesPaint(run[0], call))) {
       paintCalls(context, view, run);
       run = [];
     }
@@ -68,14 +70,12 @@ function drawCalls({ context, view }, { calls }) {
 
 /** @type {(one: Call, two: Call) => boolean} */
 function sharesPaint(one, two) {
-  const areLines = one.kind === "line" && two.kind === "line";
-  const areNone = one.kind !== "line" && two.kind !== "line";
   const alike = one.fill === two.fill && one.outline === two.outline;
-  return two.opaque && alike && (areLines || areNone);
+  return two.opaque && alike && (one.kind === "line") === (two.kind === "line");
 }
 
-// Paint calls of the same colours: what is filled one by one, as the browser is fast at convex
-// shapes, and all lines together.
+// Paint calls of the same colours: first what is filled, where the browser is fast at convex shapes
+// one by one, and at circles together, then all lines.
 /** @type {(context: CanvasRenderingContext2D, view: View, calls: Call[]) => void} */
 function paintCalls(context, view, calls) {
   if (!calls.length) return;
@@ -85,11 +85,14 @@ function paintCalls(context, view, calls) {
   context.strokeStyle = outline ?? fill;
   context.lineWidth = outline ? SHAPE_OUTLINE : JOINT_WIDTH;
   if (kind !== "line") {
+    const discs = new Path2D();
     calls.forEach((call, k) => {
-      context.beginPath();
-      addCall(context, view, call, screen[k]);
-      context.fill();
+      const isRound = call.points.length === 1;
+      if (!isRound) context.beginPath();
+      addCall(isRound ? discs : context, view, call, screen[k]);
+      if (!isRound) context.fill();
     });
+    context.fill(discs);
     if (!outline) return;
   }
   context.beginPath();
@@ -97,7 +100,9 @@ function paintCalls(context, view, calls) {
     addCall(context, view, call, screen[k]);
     if (call.kind === "circle") addSpoke(context, view, call, screen[k]);
   });
+  context.lineCap = outline ? "butt" : "round";
   context.stroke();
+  context.lineCap = "round";
 }
 
 /** @type {(path: CanvasPath, view: View, call: Call, corners: Point[]) => void} */
