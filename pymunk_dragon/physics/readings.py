@@ -488,26 +488,23 @@ def energies(space: pymunk.Space) -> dict[str, float]:
     """
     dynamic = [body for body in space.bodies if body.body_type == pymunk.Body.DYNAMIC]
     moving = [body for body in dynamic if not body.is_sleeping]
-    kinetic = math.fsum(map(_kinetic_energy, moving))
-    potential = -math.fsum(body.mass * centre_of_mass(body).dot(space.gravity) for body in dynamic)
-    elastic = math.fsum(map(_elastic_energy, space.constraints))
+    rows = [(body.mass, body.moment, *body.velocity, body.angular_velocity) for body in moving]
+    masses, moments, across, up, spins = np.array(rows).reshape(-1, 5).T
+    moments[np.isinf(moments)] = 0.0
+    kinetic = math.fsum(masses * (across**2 + up**2) + moments * spins**2) / 2
+    momentum = math.hypot(masses @ across, masses @ up)
 
-    momentum = pymunk.Vec2d.zero()
-    for body in moving:
-        momentum += body.mass * body.velocity
-    values = kinetic, kinetic + potential + elastic, momentum.length
+    # Read once: each body would take it anew.
+    gravity = space.gravity
+    potential = -math.fsum(body.mass * centre_of_mass(body).dot(gravity) for body in dynamic)
+    elastic = math.fsum(map(_elastic_energy, space.constraints))
+    values = kinetic, kinetic + potential + elastic, momentum
     return dict(zip(QUANTITIES, values, strict=True))
 
 
 def centre_of_mass(body: pymunk.Body) -> pymunk.Vec2d:
     """Centre of mass of a body in the world."""
     return body.local_to_world(body.center_of_gravity)
-
-
-def _kinetic_energy(body: pymunk.Body) -> float:
-    """Kinetic energy of a body; Pymunk's own leaves out the half."""
-    rotation = body.moment * body.angular_velocity**2 if math.isfinite(body.moment) else 0.0
-    return (body.mass * body.velocity.length_squared + rotation) / 2
 
 
 def _elastic_energy(joint: pymunk.Constraint) -> float:
