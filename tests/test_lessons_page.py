@@ -204,7 +204,7 @@ def test_course_language_and_links_work_in_a_frame_that_allows_scripts_only(brow
 def test_lesson_of_the_engine_shows_its_recorded_run_and_how_to_play_it_live(seen):
     lesson = seen.page.locator("#tension")
     lesson.locator(".cover .open-unguessed").click()
-    assert lesson.locator(".stage[data-live] img").is_visible()
+    assert lesson.locator(".stage[data-scene] img").is_visible()
     assert "pymunk-dragon demo --live" in lesson.locator(".stage").inner_text()
 
 
@@ -258,7 +258,7 @@ def test_sheets_for_the_class_have_no_answers_and_those_for_the_teacher_do(seen)
 
 
 def test_experiments_with_pymunk_are_live_on_a_live_server(browser):
-    page = make_page([played("callbacks"), played("tension")], live=True)
+    page = make_page([played("callbacks"), played("tension")], site=True)
     for name in ("callbacks", "tension"):
         add(**LESSONS[name].scene())
     session = Session(named_scene("unguided"))
@@ -266,20 +266,29 @@ def test_experiments_with_pymunk_are_live_on_a_live_server(browser):
         Live(session, host="127.0.0.1", port=0, front=page) as running,
         opened(browser, f"{running.address}&zh") as seen,
     ):
-        for name in ("callbacks", "tension", "callbacks", "tension"):
-            seen.page.click(f"#{name} .experiment button:visible >> nth=-1")
-            live = seen.page.wait_for_selector(f"#{name} iframe").content_frame()
-            wait_until(live, f"globalThis.live?.frame?.step > 0 && live.scene.name === {name!r}")
-            assert live.evaluate("document.documentElement.lang") == "zh"
-            assert seen.page.locator("iframe").count() == 1
-        # What is changed and what comes of it are in sight at once.
-        in_sight = "(all) => all.every((each) => each.getBoundingClientRect().bottom < innerHeight)"
-        assert live.eval_on_selector_all("#chart-force, #parameters .slider:nth-child(2)", in_sight)
-        seen.page.click(".languages button[value=en]")
-        wait_until(live, "document.documentElement.lang === 'en'")
-        assert seen.page.url == f"{running.address}&en"
+        # The bench waits until it is thrown; then the calls of the contact are listed.
+        seen.page.click("#callbacks .open-unguessed")
+        wait_until(seen.page, "playedNow?.frame?.step === 0 && !playedNow.note")
+        assert not seen.page.locator("#callbacks figure").count()
+        seen.page.click("#callbacks .actions button >> nth=0")
+        wait_until(seen.page, "playedNow.frame.step > 50")
+        assert "separate" in seen.page.inner_text("#callbacks .readout")
+
+        # The stage that is opened next has the engine, with the force of the drag on all benches.
+        seen.page.click("#tension .open-unguessed")
+        wait_until(seen.page, "playedNow.name === 'tension' && playedNow.frame?.time > 1")
+        force = re.search(r"[\d.]+(?=\sN)", seen.page.inner_text("#tension .readout"))
+        assert abs(float(force[0]) - 165.8) < 0.5
+        seen.page.press("#tension .knob", "ArrowDown", delay=1)
+        seen.page.click("#tension .actions button >> nth=2")
+        wait_until(seen.page, "playedNow.frame.joints.length === 23 * 6")
+        wait_until(seen.page, "playedNow.frame.held === null")
+
+        # A button of the other stage begins anew there.
+        seen.page.click("#callbacks .actions button >> nth=0")
+        wait_until(seen.page, "playedNow.name === 'callbacks' && !playedNow.note")
         # The live page by itself has a link to the lesson.
         seen.page.goto(running.address.replace("/?", "/live?"))
         seen.page.click("#lesson")
-        seen.page.wait_for_url(f"{running.address}#tension")
+        seen.page.wait_for_url(f"{running.address}#callbacks")
         assert seen.complaints == []

@@ -55,7 +55,7 @@ SUPERSCRIPTS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
 def stage_page(stage: str = "", language: str = "en") -> str:
     """A page with all scripts of the stages, and with one stage that is open."""
     stages = [path.read_text("utf-8") for path in sorted(LESSONS.glob("*.js"))]
-    script = "".join([*scripts("lab"), *stages])
+    script = "".join([*scripts("lab", "played"), *stages])
     opening = (
         f'<script>openStage(document.querySelector("[data-stage={stage}]"))</script>'
         if stage

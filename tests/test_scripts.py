@@ -21,7 +21,7 @@ STAGES = [path.read_text("utf-8") for path in sorted(LESSONS.glob("*.js"))]
 PAGES = {
     "player": scripts("viewer", "player"),
     "live": scripts("viewer", "live"),
-    "lessons": [*scripts("lab"), *STAGES, *scripts("lessons")],
+    "lessons": [*scripts("lab", "played"), *STAGES, *scripts("lessons")],
 }
 
 DECLARED = re.compile(r"^(?:async )?(?:const|let|class|function\*?) ([\w$]+)", re.MULTILINE)

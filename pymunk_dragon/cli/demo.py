@@ -80,7 +80,7 @@ def _serve(lessons: list[Lesson], address: dict[str, Any]) -> None:
     from pymunk_dragon.sessions.session import Session
 
     with progress("demo") as show:
-        page = run_page(lessons, language(), show, live=True)
+        page = run_page(lessons, language(), show, site=True)
     for each in lessons:
         if each.builds_scene:
             add(**each.scene())

@@ -122,8 +122,8 @@ frames[40]
 # The impulse of 3.29 N s is what sets the bench in motion: divide it by 10 kg, and compare the
 # speed.
 # ## Try
-# Watch which calls come once, which again and again, and with which impulse. Live: then drag one
-# bench so that it slowly pushes the other along. What is the impulse of a contact that lasts?
+# Watch which calls come once, which again and again, and with which impulse. Then drag one bench so
+# that it slowly pushes the other along. What is the impulse of a contact that lasts?
 # ## Change
 # Set `elasticity`, their bounce, to 0. Why is there less of an impulse, but more of the calls?
 # ## Teacher

@@ -126,9 +126,9 @@ plt.savefig("tension.png", bbox_inches="tight")
 # 6.91 N and 165.8 N: in a step of 0.01 s it takes a part $1 - 0.5^{0.01}$ of 1 m/s, a little less
 # than $0.01 \ln 2$, as the speed falls in it.
 # ## Try
-# Recorded: read the force in the first joint, in all three cases. Live: see "Force by joint" (a
-# logarithmic scale), take 12 dancers, then ice, "Velocity kept in 1 s" at 1. Pull at a bench. Which
-# joint would you cut to relieve most of the others?
+# Read the force in the first joint in all three cases: on the ground, with 12 dancers, and on ice,
+# where all of the speed is kept. Pull at a bench. Which joint would you cut to relieve most of the
+# others?
 # ## Change
 # Set `STEP` to 0.04 and to 0.001: how does the engine's drag come near to the continuous one? Then
 # give every bench a dancer: 24 in place of 12.

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -62,10 +61,7 @@ class Outlines:
         if list(self._space.shapes) != self._shapes or self._read(ids) != self._facts:
             self._draw(ids)
 
-        poses = np.vstack([np.zeros(3), bodies])
-        # Many turns would leave few digits of a number of 32 bits.
-        poses[:, 2] -= math.tau * np.round(poses[:, 2] / math.tau)
-        return poses
+        return np.vstack([np.zeros(3), bodies])
 
     def _read(self, ids: bytes) -> Any:
         """What has to be as it was for the shapes to be drawn as they were."""

@@ -34,7 +34,7 @@ def scripts(*groups: str) -> list[str]:
     """Texts of groups of scripts, in their order.
 
     A player has the groups "viewer" and "player", a live page "viewer" and "live"; a page of
-    lessons has "lab", the stages of its lessons, and "lessons".
+    lessons has "lab" and "played", the stages of its lessons, and "lessons".
     """
     order = json.loads(_shared("scripts.json"))
     return [_shared(f"{name}.js") for group in groups for name in order[group]]

@@ -30,7 +30,7 @@ const stages = readdirSync(path.join(ROOT, LESSONS))
 const pages = [
   [...named("viewer"), ...named("player")],
   [...named("viewer"), ...named("live")],
-  [...named("lab"), ...stages, ...named("lessons")],
+  [...named("lab"), ...named("played"), ...stages, ...named("lessons")],
 ];
 
 // The settings of one script. It sees what is declared before it on each of its pages.

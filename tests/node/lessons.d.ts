@@ -63,6 +63,14 @@ interface SliderOptions {
   digits?: number;
   play?: () => number;
   show?: (value: number) => string;
+  moved?: (value: number) => void;
+}
+
+/** What a lesson says of a scene that Pymunk plays. */
+interface PlayedOptions {
+  scene: string;
+  plays?: boolean;
+  changed?: (event: LiveEvent | null) => void;
 }
 
 interface KnobOptions {
@@ -71,6 +79,7 @@ interface KnobOptions {
   moved: (point: Point, way?: number) => unknown;
   step?: number;
   small?: boolean;
+  released?: () => void;
 }
 
 /** A slider as a lesson has it. */
@@ -104,6 +113,7 @@ interface ChartView {
   up: Limits;
   name: Words;
   tick?: (value: number) => string;
+  apart?: number;
 }
 
 type PaneView = FloorView | ChartView;

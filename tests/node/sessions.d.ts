@@ -34,7 +34,8 @@ interface LiveScene {
   generation: number;
   role: string;
   dragon: LiveDragon | null;
-  field: Field;
+  view: Field;
+  follows: boolean;
   y_down: boolean;
   units: string;
   unit_of: Record<Kind | "impulse", string>;
@@ -42,11 +43,13 @@ interface LiveScene {
   plots: [string, string][];
   buttons: string[];
   keys: string[];
+  clicks: boolean;
   scenes: { name: string; title: string }[];
   step: number;
   given: boolean;
   replays: boolean;
   resets: boolean;
+  show: string[];
 }
 
 interface Obstacle {
@@ -100,14 +103,16 @@ interface Call extends Shape {
 
 /** Shapes in the coordinates of the bodies that own them: rows of `LiveFrame.bodies`. */
 interface ShapesFrame {
-  calls: Float32Array;
+  calls: Float64Array;
   colours?: number[][];
-  owners: Float32Array;
+  owners: Float64Array;
 }
 
 interface LiveFrame {
   generation: number;
   time: number;
+  /** The point that the view follows. */
+  focus?: Point | null;
   clock: number;
   step: number;
   step_time: number;
@@ -115,19 +120,22 @@ interface LiveFrame {
   waits: boolean;
   held: [number, number, number, number] | null;
   touching: number[];
-  plots?: (number | null)[];
   sizes: Record<string, number>;
-  poses: Float32Array;
-  exact: Float32Array;
-  errors: Float32Array;
-  forces: Float32Array;
-  contacts: Float32Array;
-  joints: Float32Array;
+  poses: Float64Array;
+  exact: Float64Array;
+  errors: Float64Array;
+  forces: Float64Array;
+  contacts: Float64Array;
+  joints: Float64Array;
   /** Poses of the space and of its bodies. */
-  bodies: Float32Array;
+  bodies: Float64Array;
   shapes: ShapesFrame;
   calls: Call[];
+  texts?: DrawnText[];
 }
+
+/** A text that a program draws: x, y, the text, its size in pixels; red, green, blue, alpha. */
+type DrawnText = [number, number, string, number, [number, number, number, number]];
 
 interface Effort {
   number: number;
@@ -176,6 +184,8 @@ interface Site {
   text?: string;
   picture: string;
   lessons?: string;
+  wheels?: string[];
+  scene?: string;
 }
 
 /** How far the worker of a published page is. */

@@ -19,7 +19,7 @@ from pymunk_dragon.lessons._framework.notebook import make_notebook
 from pymunk_dragon.lessons._framework.recording import Recording, record
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.player.data import pack
-from pymunk_dragon.web.html import asset, data_address, filled, policy
+from pymunk_dragon.web.html import asset, data_address, embedded_json, filled, policy
 from pymunk_dragon.web.page import colour_variables, scripts
 
 PAGE = ".html"
@@ -35,6 +35,8 @@ MEDIA_TYPES = {
 _STAGE_FRAMES = 66
 # m: step of positions there.
 _STAGE_STEP = 1e-3
+# A page that stands alone.
+_ALONE: Mapping[str, str] = {}
 # Styles of the page.
 STYLES = ("assets/lessons.css", "assets/lab.css")
 
@@ -102,8 +104,8 @@ def run_page(
     language: str,
     progress: Callable[[int, int], object],
     *,
-    live: bool = False,
-    site: Mapping[str, str] | None = None,
+    site: Mapping[str, Any] | bool = False,
+    pages: Mapping[str, str] = _ALONE,
 ) -> str:
     """Page of lessons that are run here; see `write_lessons` and `make_page`."""
     # Before the lessons are run.
@@ -113,26 +115,25 @@ def run_page(
     for done, lesson in enumerate(lessons, start=1):
         recordings.append(record(lesson))
         progress(done, len(lessons))
-    return make_page(recordings, language, live=live, site=site)
+    return make_page(recordings, language, site=site, pages=pages)
 
 
 def make_page(
     recordings: Sequence[Recording],
     language: str = "en",
     *,
-    live: bool = False,
-    site: Mapping[str, str] | None = None,
+    site: Mapping[str, Any] | bool = False,
+    pages: Mapping[str, str] = _ALONE,
 ) -> str:
-    """HTML of one page of lessons that were run; `live` if a live server has the page.
+    """HTML of one page of lessons that were run.
 
-    A `site` has titles of other pages and their addresses; the first one plays live scenes.
+    `site` is what the worker of a published page loads, or whether a live server has the page.
+    `pages` are the addresses of other pages by their titles; the first one plays live scenes.
     """
     stages = [found.lesson.path.with_suffix(".js") for found in recordings]
     own = [stage.read_text(encoding="utf-8") for stage in stages if stage.exists()]
-    rules = "; frame-src 'self'" * (live or site is not None)
-    if site is not None:
-        rules += "; worker-src 'self'"
-    script = "\n".join([*scripts("lab"), *own, *scripts("lessons")])
+    rules = "; connect-src 'self'; worker-src 'self'" if site else ""
+    script = "\n".join([*scripts("lab", "played"), *own, *scripts("lessons")])
     styles = (asset(__package__, name) for name in STYLES)
     style = "\n".join([colour_variables(), *styles])
     return filled(
@@ -144,8 +145,10 @@ def make_page(
         blocks=blocks,
         html=html,
         spiral=_spiral(),
-        lessons=[_values(recording, live) for recording in recordings],
-        site=site or {},
+        lessons=[_values(recording) for recording in recordings],
+        # Scripts have null where a server plays, and no address where nothing does.
+        engine=embedded_json(None if site is True else site or {}),
+        pages=pages,
         policy=policy(style, script) + rules,
         style=style,
         script=script,
@@ -161,7 +164,7 @@ def words(english: str) -> dict[str, str]:
     return found
 
 
-def _values(recording: Recording, live: bool) -> dict[str, Any]:
+def _values(recording: Recording) -> dict[str, Any]:
     """Values of a lesson in the template."""
     lesson = recording.lesson
     notebooks = {}
@@ -169,7 +172,6 @@ def _values(recording: Recording, live: bool) -> dict[str, Any]:
         notebooks[each] = _address(make_notebook(lesson, each).encode(), NOTEBOOK)
     return {
         "file": lesson,
-        "stage": _stage(lesson, live),
         "data": recording.data or packed_runs(recording.runs),
         "printed": recording.printed.rstrip(),
         "picture": _picture(recording),
@@ -177,13 +179,6 @@ def _values(recording: Recording, live: bool) -> dict[str, Any]:
         "program": _address(lesson.source.encode(), PROGRAM),
         "notebooks": notebooks,
     }
-
-
-def _stage(lesson: Lesson, live: bool) -> dict[str, Any]:
-    """The stage of a lesson: its own JavaScript, or a live scene; a file has the recorded run."""
-    if lesson.path.with_suffix(".js").exists():
-        return {"own": True}
-    return {"own": False, "scene": lesson.options.get("scene", ""), "recorded": not live}
 
 
 def packed_runs(runs: Sequence[Run]) -> list[dict[str, Any]]:

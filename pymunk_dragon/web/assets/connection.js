@@ -91,7 +91,7 @@ class Connection {
   }
 }
 
-// ---- binary frames: the length of a JSON header, the header, and arrays of 32-bit numbers
+// ---- binary frames: the length of a JSON header, the header, and arrays of 64-bit numbers
 
 // Numbers of a contact: point, normal, impulse; less than 0 without an arrow.
 const CONTACT_SIZE = 5;
@@ -117,7 +117,7 @@ function decodeFrame(buffer) {
   };
   let offset = 4 + length;
   for (const [name, size] of Object.entries(header.sizes)) {
-    frame[name] = new Float32Array(buffer, offset, size);
+    frame[name] = new Float64Array(buffer, offset, size);
     offset += frame[name].byteLength;
   }
   return frame;
@@ -165,5 +165,5 @@ function reachOf({ kind, points, radius }) {
   return Math.max(...distances) + (kind === "dot" ? 0 : radius);
 }
 
-/** @type {(packed: Float32Array) => Poses} */
+/** @type {(packed: Float64Array) => Poses} */
 const posesOf = (packed) => posesFrom(packed.length / 3, (i) => packed.subarray(3 * i, 3 * i + 3));

@@ -25,13 +25,19 @@ class Lab extends Surface {
     super(created("canvas", { role: "img" }));
     this.scene = created("div", { className: "scene" }, this.canvas);
     this.output = created("output", { className: "readout" });
-    this.controls = created("div", { className: "controls" });
+    this.actions = created("div", { className: "actions" });
+    this.controls = created("div", { className: "controls" }, this.actions);
+    // A recorded picture is seen until there is something else to see.
+    this.still = div.querySelector("figure");
     div.replaceChildren(this.scene, this.output, this.controls);
+    if (this.still) this.scene.append(this.still);
     this.readColours(); // It has a font only now that it is on the page.
     /** @type {Row[]} */
     this.rows = [];
     /** @type {StagePane[]} */
     this.panes = [];
+    /** @type { { button: HTMLElement, label: () => Words }[]} */
+    this.buttons = [];
     /** @type { { knob: HTMLElement, label: Words, pane: StagePane, at: () => Numbers }[]} */
     this.knobs = [];
     this.painted = 0; // ms: time of the last picture
@@ -55,10 +61,10 @@ class Lab extends Surface {
     return `color-mix(in oklab, ${this.colours[two]} ${percent}%, ${this.colours[one]})`;
   }
 
-  // A slider; `show` writes its value, by default with so many `digits` and a unit. One with
-  // `play()`, the change of its value in a second, has a button that moves it.
+  // A slider; `show` writes its value, by default with so many `digits` and a unit, and `moved`
+  // gets it. One with `play()`, the change of its value in a second, has a button that moves it.
   /** @type {(label: Words, options: SliderOptions) => Slid} */
-  slider(label, { min, max, step, value, unit = "", digits, play, show }) {
+  slider(label, { min, max, step, value, unit = "", digits, play, show, moved }) {
     const input = created("input", { type: "range", min, max, step, value });
     const name = created("span");
     const shown = created("span", { className: "value" });
@@ -68,6 +74,7 @@ class Lab extends Surface {
     const div = created("div", { className: "slider" }, created("label", {}, name, input), shown);
     input.addEventListener("input", () => {
       row.plays = false;
+      moved?.(Number(input.value));
       this.requestDraw();
     });
     if (play) {
@@ -99,6 +106,18 @@ class Lab extends Surface {
     };
   }
 
+  // A button, whose words may change with the picture.
+  /** @type {(label: () => Words, action: () => void) => void} */
+  button(label, action) {
+    const button = created("button", { type: "button" });
+    button.addEventListener("click", () => {
+      action();
+      this.requestDraw();
+    });
+    this.buttons.push({ button, label });
+    this.actions.append(button);
+  }
+
   // A part of the canvas below those before, with a share of its height; `draw` takes the pane.
   // See `StagePane`.
   /** @type {(share: number, view: () => PaneView, draw: (pane: StagePane) => void) => StagePane} */
@@ -110,8 +129,9 @@ class Lab extends Surface {
 
   // A thing to drag at the point `at()` of a pane. `moved` takes the point to which it goes, and
   // from an arrow key, which moves it by `step`, also 1 (right, up) or -1; with Shift 10 or -10.
+  // `released` is called when the pointer or the key is let go.
   /** @type {(label: Words, options: KnobOptions) => void} */
-  knob(label, { pane = this.panes[0], at, moved, step = 0.05, small = false }) {
+  knob(label, { pane = this.panes[0], at, moved, step = 0.05, small = false, released }) {
     const knob = created("button", { type: "button", className: small ? "small knob" : "knob" });
     /** @type {(point: Point, way?: number) => void} */
     const change = (point, way) => {
@@ -130,6 +150,9 @@ class Lab extends Surface {
       const [dx, dy] = ARROWS[event.key].map((part) => (event.shiftKey ? 10 * part : part));
       change(pane.inside(...pane.toScreen(x + step * dx, y + step * dy)), dx + dy);
     });
+    for (const kind of released ? ["lostpointercapture", "keyup", "blur"] : []) {
+      knob.addEventListener(kind, () => released?.());
+    }
     this.knobs.push({ knob, label, pane, at });
     this.scene.append(knob);
   }
@@ -197,6 +220,7 @@ class Lab extends Surface {
       write(button, "textContent", plays ? "❚❚" : "▶");
       write(button, "ariaLabel", this.say(plays ? ["Pause", "暂停"] : ["Play", "播放"]));
     }
+    for (const { button, label } of this.buttons) write(button, "textContent", this.say(label()));
     for (const { knob, label, pane, at } of this.knobs) {
       const [x, y] = at();
       const [px, py] = pane.toScreen(x, y);

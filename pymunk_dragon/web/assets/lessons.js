@@ -37,54 +37,6 @@ speak(
     .find((each) => languages.includes(each)) ?? root.lang,
 );
 
-// Whether a published page can load its engine: not from a file, and not in a frame with a sandbox.
-const HAS_ENGINE = location.protocol !== "file:" && self.origin !== "null";
-
-// The live scene of a stage, where a live server has this page. One is open, as all belong to one
-// session; a button opens another one again.
-/** @type {(stage: HTMLElement) => void} */
-function openScene(stage) {
-  for (const old of document.querySelectorAll("iframe")) {
-    const still = partOf(/** @type {Element} */ (old.closest(".experiment")), ".main");
-    old.replaceWith(still.cloneNode(true));
-  }
-  const frame = document.createElement("iframe");
-  const { page, live } = stage.dataset;
-  const address = () => `${page}${location.search}#stage=${live}&lang=${root.lang}`;
-  frame.title = partOf(stage.closest(".lesson") ?? stage, "h2").textContent.trim();
-  frame.src = address();
-  document.addEventListener("languagechange", () => {
-    frame.src = address();
-  });
-  stage.replaceChildren(frame);
-}
-
-// The worker of a published page, for one experiment after the other.
-/** @type {Worker | null} */
-let engine = null;
-
-window.addEventListener("message", ({ source, data }) => {
-  const frame = document.querySelector("iframe");
-  if (!source || source !== frame?.contentWindow) return;
-  if (data.ends) {
-    engine?.terminate();
-    engine = null;
-    return;
-  }
-  if (!engine) {
-    /** @type {(posted: unknown) => void} */
-    const pass = (posted) =>
-      document.querySelector("iframe")?.contentWindow?.postMessage(posted, location.origin);
-    engine = new Worker("worker.js", { type: "module" });
-    engine.onmessage = (event) => pass(event.data);
-    engine.onerror = ({ message }) => {
-      engine = null;
-      pass({ failure: { text: message ?? "" } });
-    };
-  }
-  engine.postMessage(data);
-});
-
 // The course of a lesson: guess, experiment, answer.
 for (const lesson of /** @type {NodeListOf<HTMLElement>} */ (
   document.querySelectorAll(".lesson")
@@ -106,10 +58,9 @@ for (const lesson of /** @type {NodeListOf<HTMLElement>} */ (
 
   const open = () => {
     enter("open");
-    const { live, page } = stage.dataset;
-    const plays = page !== "live" ? HAS_ENGINE : !stage.querySelector("figure");
-    if (live && plays && !stage.querySelector("iframe")) openScene(stage);
-    if (stage.dataset.stage && !stage.hasChildNodes()) openStage(stage);
+    // Where no engine plays, the recorded run stays.
+    const plays = !stage.dataset.scene || HAS_ENGINE;
+    if (plays && !stage.querySelector("canvas")) openStage(stage);
     const first = stage.querySelector("input, button, [tabindex]") ?? partOf(lesson, ".show");
     first.focus({ preventScroll: true });
   };
@@ -145,7 +96,9 @@ for (const lesson of /** @type {NodeListOf<HTMLElement>} */ (
 
   partOf(lesson, ".again").addEventListener("click", () => {
     for (const choice of choices) choice.checked = false;
-    if (stage.dataset.stage) stage.replaceChildren(); // The experiment begins anew.
+    // The experiment begins anew.
+    if (stage.dataset.scene) playedNow?.begin();
+    else stage.replaceChildren();
     enter("guess");
     choices[0]?.focus();
   });

@@ -1,7 +1,7 @@
 // Shapes that move with bodies: a page gets them once, and then only the poses of the bodies.
 
 /** @type {ShapesFrame} */
-const NO_SHAPES = { calls: new Float32Array(), owners: new Float32Array() };
+const NO_SHAPES = { calls: new Float64Array(), owners: new Float64Array() };
 
 class PlacedShapes {
   // The calls of the message are in the coordinates of the bodies that own them.
@@ -26,5 +26,30 @@ class PlacedShapes {
       }
     });
     return this.calls;
+  }
+}
+
+// Decodes the frames of a connection, and the shapes that come before those that need them.
+class Frames {
+  constructor() {
+    this.shapes = NO_SHAPES;
+    this.placed = new PlacedShapes(NO_SHAPES);
+  }
+
+  // A frame without its calls; null for shapes.
+  /** @type {(buffer: ArrayBuffer) => LiveFrame | null} */
+  decode(buffer) {
+    const found = decodeFrame(buffer);
+    if (!found.owners) return { ...found, shapes: this.shapes };
+    this.shapes = found;
+    return null;
+  }
+
+  // What Pymunk draws in a frame; a dragon has nothing of it.
+  /** @type {(frame: LiveFrame) => Call[]} */
+  callsOf(frame) {
+    if (!frame.bodies.length) return [];
+    if (this.placed.message !== frame.shapes) this.placed = new PlacedShapes(frame.shapes);
+    return [...this.placed.at(posesOf(frame.bodies)), ...callsOf(frame)];
   }
 }

@@ -108,8 +108,7 @@ function paintCalls(context, view, calls) {
 /** @type {(path: CanvasPath, view: View, call: Call, corners: Point[]) => void} */
 function addCall(path, view, { kind, radius }, corners) {
   if (kind === "line") {
-    path.moveTo(...corners[0]);
-    path.lineTo(...corners[1]);
+    corners.forEach((corner, i) => path[i ? "lineTo" : "moveTo"](...corner));
     return;
   }
   const distance = Math.max(radius * view.scale, kind === "segment" ? 0.5 : 0);

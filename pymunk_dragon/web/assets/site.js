@@ -3,7 +3,7 @@
 const LOOK_EVERY = 1000; // ms: whether the worker answers, and what the link has to be
 const STATE_DIGITS = 3; // decimals of the time in a link
 const SET = "set."; // before the name of a slider in a link
-// Scene for a frame on the page of a lesson.
+// Scene for a frame on the page of a guide.
 const STAGE = new URLSearchParams(location.hash.slice(1)).get("stage");
 
 // Why this browser cannot run the engine here; empty if it can.

@@ -5,9 +5,10 @@ const OPENS_AT_LATEST = 5000; // ms: wait for the widget
 const TOLD_FRAME = 3;
 // This is the frame of a notebook's widget.
 const IN_WIDGET = location.href.startsWith("about:srcdoc");
-// Where a published page has its engine; null for the page of a server or a widget.
+// What the worker of a published page loads, of which a file has nothing; null for the page of a
+// server or a widget.
 /** @type {Site | null} */
-const SITE = JSON.parse(element("site").textContent ?? "");
+const SITE = JSON.parse(document.getElementById("site")?.textContent ?? "{}");
 const STAGES = 4; // of loading a worker: Python, its libraries, this package, the scene
 
 // Posts what is sent, and takes what is posted; `post` and `end` are the subclass's.
@@ -128,7 +129,7 @@ class WorkerSocket extends PostedSocket {
       loaded({ failure: { text: message ?? "" } });
       this.close();
     };
-    this.post({ ...site, scene: stage ?? link.get("scene") ?? "" });
+    this.post({ scene: stage ?? link.get("scene") ?? "", ...site });
   }
 
   /** @type {(content: unknown) => void} */
