@@ -28,7 +28,7 @@ class Viewer(Listener):
 
     frame = None
 
-    def show(self, frame):
+    def show(self, frame, outlines):
         """Decode a frame."""
         self.frame = decoded(frame)
 
