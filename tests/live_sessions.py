@@ -46,6 +46,14 @@ class Listener(Client):
         self.take(json.dumps({"do": action, **arguments}))
 
 
+def notebook(run=1, cell="one", text=""):
+    """The module IPython in a run of a cell of a notebook, which may have an identifier."""
+    kernel = SimpleNamespace(get_parent=lambda: {"metadata": {"cellId": cell} if cell else {}})
+    names = {"In": ["", text]}
+    shell = SimpleNamespace(kernel=kernel, execution_count=run, user_ns=names)
+    return SimpleNamespace(get_ipython=lambda: shell)
+
+
 class Played:
     """A paused session without a server: `do` sends a message, `step` makes steps at once."""
 

@@ -364,7 +364,7 @@ def test_page_shows_forces_and_torques_in_their_units_and_on_scales_of_their_own
         ]
         assert page.text_content("#torque-name") == "Torque by joint (N m)"
         captions = page.eval_on_selector_all(
-            "#charts-own figcaption > :first-child", "all => all.map((x) => x.textContent)"
+            "#charts-own select", "all => all.map((x) => x.selectedOptions[0].text)"
         )
         assert captions == [
             "Kinetic energy (J)",

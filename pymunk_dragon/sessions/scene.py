@@ -73,6 +73,8 @@ class Scene:
 
     # What pictures and the page show of Pymunk's debug drawing; contacts are sent apart.
     drawn = DrawRecorder.DRAW_SHAPES | DrawRecorder.DRAW_CONSTRAINTS
+    # Words of `PARTS` that the page shows at first, unless the user chooses others.
+    shown: Sequence[str] = ()
 
     def __init__(self, space: pymunk.Space, settings: PlaySettings) -> None:
         self.space = space
@@ -339,9 +341,9 @@ class Scene:
         buttons = [name for name in self._pressed if name not in keys]
 
         unit_of = units(self.settings.units)
-        plots = {title: unit_of[kind] for title, kind in QUANTITIES.items()}
-        # The user's quantities have their units in their titles.
-        plots |= dict.fromkeys(self.settings.plots, "")
+        # The user's quantities come first, and have their units in their titles.
+        own = dict.fromkeys(self.settings.plots, "")
+        plots = own | {title: unit_of[kind] for title, kind in QUANTITIES.items()} | own
 
         return {
             "parameters": parameters,
@@ -374,11 +376,10 @@ class Scene:
         return np.array([(*body.position, body.angle) for body in self.space.bodies]).reshape(-1, 3)
 
     def plots(self) -> dict[str, float]:
-        """Quantities for charts: energy, momentum, and those of the user's."""
-        values = energies(self.space)
-        for title, plot in self.settings.plots.items():
-            values[title] = self._plotted(title, plot)
-        return values
+        """Quantities for charts: those of the user's, energy, and momentum."""
+        plots = self.settings.plots
+        own = {title: self._plotted(title, plot) for title, plot in plots.items()}
+        return own | energies(self.space) | own
 
     def _plotted(self, title: str, plot: Callable[[pymunk.Space], float]) -> float:
         """The value of a chart of the user's; an error names the chart."""

@@ -168,6 +168,13 @@ class Session:
         for client in self.clients:
             client.stop()
 
+    def goes_on(self, seconds: float = 0.0) -> bool:
+        """Whether a thread makes the steps: after `seconds`, or as soon as it has ended."""
+        if self._thread is None:
+            return False
+        self._thread.join(seconds)
+        return self._thread.is_alive()
+
     def join(self, client: Client) -> None:
         """Send a client all messages and frames from now on.
 
@@ -346,7 +353,7 @@ class Session:
         self._end_replay(DragonError(f"the replay ends at step {self.scene.steps}: {error}"))
 
     def _show(self, now: float) -> None:
-        """Send clients the state, if it changed, and a frame, sometimes with values for charts."""
+        """Send clients the state if it changed, values for charts if they are due, and a frame."""
         self.clients.tell_state(self.state())
         header: dict[str, Any] = {
             "generation": self.generation,
@@ -359,7 +366,10 @@ class Session:
                 header["focus"] = self.scene.focus()
                 self.scene.draw()
                 if self.clock.plot_is_due(now):
-                    header["plots"] = list(self.scene.plots().values())
+                    values = [*self.scene.plots().values()]
+                    about = {"kind": "plots", "time": self.scene.time, "values": values}
+                    # Not in a frame: a client need not get all of these.
+                    self.clients.tell(without_nan(about))
             finally:
                 frame = self.scene.frame(header)
                 for client in self.clients:
@@ -394,6 +404,7 @@ class Session:
             "title": source.title,
             "text": source.text,
             "lesson": source.lesson,
+            "show": self.scene.shown if source.show is None else source.show,
         }
         self.clients.tell_scene(without_nan(about | self.scene.to_dict()))
 

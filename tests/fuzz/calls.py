@@ -558,6 +558,7 @@ CALLS = {
             **{
                 "plots": (None, "none empty"),
                 "events": (None, "none empty texts"),
+                "show": (None, "none empty"),
                 "y_down": FLAG,
                 "units": TEXT,
             },
@@ -577,6 +578,7 @@ CALLS = {
     ),
     "Live.step": (lambda dt: of_session("step", dt=dt), {"dt": (0.01, "number")}),
     "Live.paused": (lambda: of_session("paused"), {}),
+    "Live.wait": (lambda: of_session("wait"), {}),
     "Live.stop": (lambda: of_session("stop"), {}),
     # Lessons.
     "Lesson.sections": (lessons.LESSONS["spiral"].sections, {"language": ("en", "text")}),

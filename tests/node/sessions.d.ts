@@ -49,6 +49,7 @@ interface LiveScene {
   given: boolean;
   replays: boolean;
   resets: boolean;
+  show: string[];
 }
 
 interface Obstacle {
@@ -110,7 +111,6 @@ interface LiveFrame {
   waits: boolean;
   held: [number, number, number, number] | null;
   touching: number[];
-  plots?: (number | null)[];
   sizes: Record<string, number>;
   poses: Float64Array;
   exact: Float64Array;

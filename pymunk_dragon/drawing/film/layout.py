@@ -62,6 +62,7 @@ class Layout:
         sampled = np.linspace(times[0], times[-1], min(_SAMPLES, len(times)))
         samples = [list(take.at(sampled)) for take in takes]
         self._times = times
+        self._fps = film.fps
         self.scenes = _scenes(takes, samples, times, film)
         # Scenes before the cut, and its time.
         self._before = self.scenes
@@ -70,9 +71,6 @@ class Layout:
             whole = replace(film, camera=Camera())
             self._before = _scenes(takes, samples, times, whole)
             self._cut = cut_time(takes)
-        rates = film.fps * np.diff(times)
-        # A still picture has no speed.
-        self._rates = [*rates.tolist(), *rates[-1:].tolist()] or [None]
 
         headings = _headings(takes, film)
         texts = film.texts(headings)
@@ -83,12 +81,10 @@ class Layout:
             lines = [lettering.line(heading, letters) for heading in headings]
             cells = [_row([line], width + _GUTTER) for line in lines]
             above.append(_row(cells, total))
-        has_legend = film.legend and total >= _LEGEND_WIDTH
-        below = []
-        if has_legend:
+        below = lettering.wrapped(film.caption, letters, total)
+        if film.legend and total >= _LEGEND_WIDTH:
             one = self._before is self.scenes
-            below = _legend(self._before, samples, total, letters, has_one_scale=one)
-        below += lettering.wrapped(film.caption, letters, total)
+            below = [*_legend(self._before, samples, total, letters, has_one_scale=one), *below]
 
         # What the scenes leave free is the line between them.
         middle = Image.new("RGB", (total, height), COLOURS.curve)
@@ -108,7 +104,10 @@ class Layout:
     def frames(self) -> Iterator[Image.Image]:
         """Draw the frames (mode RGB)."""
         states = [scene.source.at(self._times) for scene in self.scenes]
-        for rate, *shown in zip(self._rates, *states, strict=True):
+        # Simulated time in a second of film; the last frame stays, and a still has no speed.
+        rates = (self._fps * np.diff(self._times)).tolist()
+        rates += rates[-1:] or [None]
+        for rate, *shown in zip(rates, *states, strict=True):
             frame = self._frame.copy()
             scenes = self._before if shown[0][0] < self._cut else self.scenes
             for scene, (time, poses), left in zip(scenes, shown, self._lefts, strict=True):

@@ -6,7 +6,8 @@ const EDGE = 14; // pixels between tools or buttons and the edge of the canvas
 const SCALE_BAR_ROOM = 24; // pixels at the lower border that the fitted view leaves free
 const BUILDING_AFTER = 100; // ms
 const ANNOUNCE_EVERY = 1500; // ms: events in between are not announced to screen readers
-const SHOWN_OF_SCENE = ["curve", "exact", "contacts"];
+/** @type {Record<string, string>} */
+const WORDS = { labels: "numbers" }; // of switches, in Python, where these differ
 /** @type {DrawnModel} */
 const NO_MODEL = /** @type {any} */ ({
   field: { centre: [0, 0], size: [1, 1] },
@@ -35,7 +36,7 @@ const LIVE_LAYERS = [
 /** @extends {Stage<LivePicture>} */
 class Live extends Stage {
   constructor() {
-    super(NO_MODEL, LIVE_LAYERS, LIVE_SWITCHES, SHOWN_OF_SCENE);
+    super(NO_MODEL, LIVE_LAYERS, LIVE_SWITCHES, []);
     /** @type {LiveScene} */
     this.scene = NOTHING_YET;
     /** @type {LiveState} */
@@ -52,8 +53,8 @@ class Live extends Stage {
     this.first = []; // those of the scene as it began
     this.scales = new Scales();
     this.rateKind = ""; // what the rate was measured of
-    /** @type { { clock: number, time: number }[]} */
-    this.ticks = []; // the session's clock and the simulated time in the last second
+    /** @type { { clock: number, time: number, step: number, step_time: number }[]} */
+    this.ticks = []; // of the frames in the last second
     this.aims = false; // whether keys have the field
     this.errorTimer = 0;
     this.buildingTimer = 0;
@@ -106,6 +107,7 @@ class Live extends Stage {
     if (message.kind === "scene") this.setScene(message);
     if (message.kind === "state") this.setState(message);
     if (message.kind === "event") this.addEvent(message);
+    if (message.kind === "plots") this.charts.addValues(message);
     if (message.kind === "error") this.showError(message);
   }
 
@@ -140,7 +142,9 @@ class Live extends Stage {
       this.setFollow("field");
       this.fits = false;
       if (scene.follows) this.beginToFollow();
-      for (const name of LIVE_SWITCHES) this.shown[name] = SHOWN_OF_SCENE.includes(name);
+      for (const name of LIVE_SWITCHES) {
+        this.shown[name] = scene.show.includes(WORDS[name] ?? name);
+      }
       setText("announcement", translated(scene.title));
     }
     showScene(this);
