@@ -174,9 +174,14 @@ def decoded(frame: bytes):
 
 
 def drawn_in(scene):
-    """What a page draws of a scene, with the frame: rows like those of `calls_of`."""
+    """What a page draws of a scene, as `calls_of` has it, and the frame."""
     frame = decoded(scene.frame({}))
-    shapes = decoded(scene.outlines)
+    return all_calls(frame, scene.outlines), frame
+
+
+def all_calls(frame, outlines):
+    """What a page draws in a frame with the shapes that came before it."""
+    shapes = decoded(outlines)
     poses = frame.bodies.reshape(-1, 3)
     placed = []
     for call, (x, y, angle) in zip(calls_of(shapes), poses[shapes.owners.astype(int)], strict=True):
@@ -185,7 +190,7 @@ def drawn_in(scene):
         moved = points @ [[cos, sin], [-sin, cos]] + (x, y)
         turned = own + angle if kind == "circle" else 0.0
         placed.append((kind, moved, radius, turned, *rest))
-    return placed + calls_of(frame), frame
+    return placed + calls_of(frame)
 
 
 def calls_of(part):

@@ -12,7 +12,7 @@ import pytest
 import test_publish
 from browser import needs_browser, opened, wait_until
 from conftest import refusal
-from live_sessions import PATIENCE, Listener, decoded, drawn_in, greeting, played, served
+from live_sessions import PATIENCE, Listener, all_calls, decoded, drawn_in, greeting, played, served
 
 from pymunk_dragon import live
 from pymunk_dragon.publish.program import read_program
@@ -113,7 +113,7 @@ class Watcher(Listener):
     """A client that keeps frames."""
 
     def show(self, frame, outlines):
-        self.told.append({"kind": "frame", "frame": decoded(frame)})
+        self.told.append({"kind": "frame", "frame": decoded(frame), "outlines": outlines})
 
 
 def failing(space):
@@ -143,9 +143,10 @@ def test_session_pauses_with_file_and_line_where_what_it_follows_is_no_place(fol
     *_, error = [each for each in told if each["kind"] == "error"]
     assert "test_sessions_view.py, line " in error.get("place", error["text"])
     # The picture is shown all the same.
-    frames = [each["frame"] for each in told if each["kind"] == "frame"]
-    assert [each.focus for each in frames[-2:]] == [None, None]
-    assert len(corners(frames[-1])) == 4
+    *_, before, last = [each for each in told if each["kind"] == "frame"]
+    assert [each["frame"].focus for each in (before, last)] == [None, None]
+    [(_, points, *_)] = all_calls(last["frame"], last["outlines"])
+    assert len(points) == 4
 
 
 class Builder:
