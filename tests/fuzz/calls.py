@@ -419,6 +419,14 @@ CALLS = {
         reports.write_contact_table,
         {"march": ONE_MARCH, "impact_time": FLOAT, "path": file(".xlsx")},
     ),
+    "write_latex": (
+        reports.write_latex,
+        {
+            "states": (MARCH.at(TIMES[0]), ""),
+            "handles": ([1], "array list none"),
+            "path": file(".tex"),
+        },
+    ),
     "write_tables": (
         reports.write_tables,
         {"march": ONE_MARCH, "times": TIMES, "path": file(".xlsx")},
