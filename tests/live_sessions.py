@@ -154,7 +154,7 @@ def decoded(frame: bytes):
     [length] = struct.unpack_from("<I", frame)
     header = json.loads(frame[4 : 4 + length])
     sizes = header["sizes"]
-    rest = np.frombuffer(frame, "<f4", offset=4 + length)
+    rest = np.frombuffer(frame, "<f8", offset=4 + length)
     assert len(rest) == sum(sizes.values())
     parts = dict(zip(sizes, np.split(rest, np.cumsum(list(sizes.values()))[:-1]), strict=True))
     for name, columns in {"poses": 3, "exact": 3, "contacts": 5, "joints": 6}.items():

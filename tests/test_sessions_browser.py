@@ -38,7 +38,7 @@ PLACE = """([x, y]) => {
 # Whether the area of the scene is on the canvas, and neither behind the tools nor behind the
 # buttons of the view.
 IN_SIGHT = """() => {
-  const { centre: [x, y], size: [width, height] } = live.scene.field;
+  const { centre: [x, y], size: [width, height] } = live.scene.view;
   // The upper left corner and the lower right one: y points up in the scene, and down on the page.
   const [left, top] = live.view.toScreen(x - width / 2, y + height / 2);
   const [right, bottom] = live.view.toScreen(x + width / 2, y - height / 2);

@@ -247,7 +247,7 @@ def test_example_of_pymunk_plays_with_keys_and_mouse_after_five_changed_lines_at
     kinds = {pygame.event.event_name(event.type) for event in seen}
     assert {"KeyDown", "MouseButtonDown", "MouseButtonUp", "MouseMotion", "MouseWheel"} <= kinds
     [down] = [event for event in seen if event.type == pygame.MOUSEBUTTONDOWN and event.button == 1]
-    height = scene.field["size"][1]
+    height = scene.view["size"][1]
     assert down.pos == (120, 130 if CHANGED[name][2] == "down" else height - 130)
     assert scene.steps == STEPS
 

@@ -87,8 +87,8 @@ _HOLE_INSET = 2 / math.pi - _EDGE_INSET
 _MAX_REACH = 1e9
 # Pixels.
 _STILL_SIZE = 640, 480
-# Least width and height of the area of a space.
-_SMALLEST = 1e-3
+# Least width and height of the area of a space over the larger of the two.
+_THINNEST = 1e-3
 
 
 @dataclass(slots=True)
@@ -300,9 +300,11 @@ def area(space: pymunk.Space) -> tuple[float, float, float, float]:
     box = extent(space)
     if box.left > box.right:
         box = pymunk.BB(-1, -1, 1, 1)
-    width = max(box.right - box.left, _SMALLEST)
-    height = max(box.top - box.bottom, _SMALLEST)
-    return *box.center(), width, height
+    width = box.right - box.left
+    height = box.top - box.bottom
+    # All may be a point.
+    least = _THINNEST * (max(width, height) or 1.0)
+    return *box.center(), max(width, least), max(height, least)
 
 
 def still(

@@ -199,7 +199,7 @@ class PygameEvents:
         pygame.mouse.get_pressed = self._pressed
 
     @property
-    def field(self) -> tuple[float, float, float, float] | None:
+    def view(self) -> tuple[float, float, float, float] | None:
         """Centre, width and height of pygame's window, if it has one."""
         surface = self._pygame.display.get_surface()
         if surface is None:

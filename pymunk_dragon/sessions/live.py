@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 import webbrowser
 from collections.abc import Callable, Mapping, Sequence
@@ -15,7 +16,6 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import pymunk
 
 from pymunk_dragon._checks import (
-    MAX_COORDINATE,
     finite,
     flag,
     function,
@@ -23,7 +23,6 @@ from pymunk_dragon._checks import (
     instances,
     label,
     numbers,
-    positive,
     whole,
     word,
 )
@@ -167,11 +166,13 @@ def live(
         List to which your functions append texts, which the page shows as events.
     view : tuple of float, optional
         Centre x, y, width and height of the area to show at first; by default that of all shapes
-        and joints.
+        and joints. The button "whole field" of the page shows what there is then.
     follow : callable, optional
-        Function of the space that returns the body or the point at the centre of the view.
+        Function of the space that returns a pymunk.Body or a point, on which the view stays centred
+        until it is moved. The first view then only has the size of `view`.
     title : str, optional
-        Title of the page; by default the first line of the docstring of `what`.
+        Title of the page; by default the first line of the docstring of a function that builds the
+        space.
     show : sequence of str, optional
         What the picture has at first beside shapes and joints: "contacts", "forces", and of a
         dragon "curve", "exact", "handles" and "numbers". By default nothing for a space, and the
@@ -231,7 +232,7 @@ def live(
         controls=controls,
         plots={} if plots is None else plots,
         events=events,
-        view=view,
+        view=None if view is None else _checked_view(view),
         follow=follow,
         title=title,
         show=show,
@@ -264,8 +265,6 @@ def _check_settings(settings: PlaySettings) -> None:
     if settings.events is not None:
         instance("events", settings.events, list, "a list, to which texts are appended")
         instances("events", settings.events, str, "a list of texts")
-    if settings.view is not None:
-        _check_view(settings.view)
     for name in ("follow", "on_draw", "on_click"):
         if (called := getattr(settings, name)) is not None:
             function(name, called)
@@ -277,13 +276,12 @@ def _check_settings(settings: PlaySettings) -> None:
     label("units", settings.units)
 
 
-def _check_view(view: object) -> None:
-    """Check centre, width and height of a view."""
-    x, y, *size = numbers("view", [view], 4)[0].tolist()
-    for place in (x, y):
-        finite("view", place, -MAX_COORDINATE, MAX_COORDINATE, "")
-    for length in size:
-        positive("view", length, MAX_COORDINATE, "")
+def _checked_view(view: object) -> tuple[float, float, float, float]:
+    """Centre, width and height of a view."""
+    x, y, width, height = numbers("view", [view], 4)[0].tolist()
+    if math.isfinite(x + y) and 0 < width < math.inf and 0 < height < math.inf:
+        return x, y, width, height
+    raise ParameterError("view", view, "finite: centre, and a width and a height above 0")
 
 
 def _check_unchanged(settings: PlaySettings) -> None:
@@ -301,7 +299,8 @@ def source_of(what: object, settings: PlaySettings) -> SceneSource:
     if isinstance(what, March):
         return march_scene(what)
     if isinstance(what, pymunk.Space):
-        return replace(space_scene(FirstState(what).begin, settings), given=True)
+        source = space_scene(FirstState(what).begin, settings)
+        return replace(source, title=settings.title or "A space", given=True)
     if not callable(what):
         bound = "a March, a pymunk.Space, a function that returns one, or a scene's name"
         raise ParameterError("what", what, bound)

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from numbers import Real
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,7 +15,7 @@ import pymunk
 
 from pymunk_dragon._arrays import Array
 from pymunk_dragon._checks import number, word
-from pymunk_dragon.drawing.debug_draw import DrawRecorder, area
+from pymunk_dragon.drawing.debug_draw import DrawRecorder, area, still
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.physics.readings import (
     QUANTITIES,
@@ -118,8 +120,30 @@ class Scene:
 
         It is that of `PlaySettings.view`, of pygame's window, or of what is drawn.
         """
-        field = self.settings.view or (self.pygame and self.pygame.field) or area(self.space)
-        self.field: dict[str, list[float]] = {"centre": list(field[:2]), "size": list(field[2:])}
+        view = self.settings.view or (self.pygame and self.pygame.view) or area(self.space)
+        self.view: dict[str, list[float]] = {"centre": list(view[:2]), "size": list(view[2:])}
+
+    def focus(self) -> list[float] | None:
+        """The point that the view follows, if it follows one."""
+        follow = self.settings.follow
+        if follow is None:
+            return None
+        found = follow(self.space)
+        try:
+            x, y = map(number, getattr(found, "position", found))
+        except (TypeError, ValueError):
+            x = y = math.nan
+        if math.isfinite(x + y):
+            return [x, y]
+        raise ParameterError("follow", found, f"a pymunk.Body or a point{_written_at(follow)}")
+
+    def picture(self) -> bytes:
+        """PNG of what the page shows at first."""
+        view = dict(self.view)
+        # The page shows an error of the user's function.
+        with suppress(Exception):
+            view["centre"] = self.focus() or view["centre"]
+        return still(self.space, view, y_down=self.settings.y_down, flags=self.drawn)
 
     def advance(self) -> None:
         """Make a step; an error is raised if a body has no finite position after it."""
@@ -198,7 +222,7 @@ class Scene:
 
     def pointer(self, x: float, y: float, kind: str, button: int) -> None:
         """Pass the pointer to a pygame program, whose window has its origin at the upper left."""
-        down = y if self.settings.y_down else self.field["size"][1] - y
+        down = y if self.settings.y_down else self.view["size"][1] - y
         self.pygame_events().pointer(x, down, kind, button)
 
     def pygame_events(self) -> PygameEvents:
@@ -215,7 +239,7 @@ class Scene:
 
         anchor = body.world_to_local(point)
         held = self._held = pymunk.PivotJoint(self._hand, body, (0, 0), anchor)
-        size = max(self.field["size"])
+        size = max(self.view["size"])
         acceleration = _HAND_ACCELERATION * max(1.0, size / _HAND_SIZE)
         held.max_force = acceleration * body.mass
         held.error_bias = _HAND_BIAS
@@ -313,7 +337,8 @@ class Scene:
             "step": self.step_length,
             "y_down": self.settings.y_down,
             "units": self.settings.units,
-            "field": self.field,
+            "view": self.view,
+            "follows": self.settings.follow is not None,
             "unit_of": unit_of,
             "plots": list(plots.items()),
         }
@@ -369,3 +394,9 @@ class Scene:
         joints = self._readings.joints(self.joints())
         contacts = self._readings.contacts()
         return {"colours": colours}, {"calls": calls, "joints": joints, "contacts": contacts}
+
+
+def _written_at(function: Callable[..., object]) -> str:
+    """Where a function of the user's is, in words; empty for a callable object."""
+    code = getattr(function, "__code__", None)
+    return f" ({Path(code.co_filename).name}, line {code.co_firstlineno})" if code else ""

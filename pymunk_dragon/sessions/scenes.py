@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from inspect import Parameter, signature
+from inspect import Parameter, getdoc, isroutine, signature
 from typing import Any
 
 import pymunk
@@ -108,7 +108,14 @@ def space_scene(build: Callable[..., pymunk.Space], settings: PlaySettings) -> S
                 scene.set(name, value)
         return scene
 
-    return SceneSource(name="space", title="A space", text="Pull a body, cut a joint.", build=make)
+    title = settings.title or _heading(build)
+    return SceneSource(name="space", title=title, text="Pull a body, cut a joint.", build=make)
+
+
+def _heading(build: object) -> str:
+    """First line of the docstring of a function; classes and objects have others' docstrings."""
+    text = isroutine(build) and getdoc(build)
+    return text.partition("\n")[0].rstrip(".") if text else "A space"
 
 
 def _at_start(slider: Slider, arguments: Mapping[str, Parameter]) -> Slider:

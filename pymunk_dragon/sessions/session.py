@@ -352,13 +352,17 @@ class Session:
             "generation": self.generation,
             "clock": now,
             "step_time": self._step_seconds,
+            "focus": None,
         }
         with self._watched():
-            if self.clock.plot_is_due(now):
-                header["plots"] = list(self.scene.plots().values())
-            frame = self.scene.frame(header)
-            for client in self.clients:
-                client.show(frame)
+            try:
+                header["focus"] = self.scene.focus()
+                if self.clock.plot_is_due(now):
+                    header["plots"] = list(self.scene.plots().values())
+            finally:
+                frame = self.scene.frame(header)
+                for client in self.clients:
+                    client.show(frame)
         self.clock.frame_was_made()
 
     def _tell_events(self, now: float) -> None:

@@ -552,6 +552,11 @@ CALLS = {
                 "units": TEXT,
             },
             **{
+                "view": (None, "array none"),
+                "follow": (None, "none function"),
+                "title": (None, "none text"),
+            },
+            **{
                 "paused": FLAG,
                 "browser": (False, "bool"),
                 "host": ("127.0.0.1", "path"),

@@ -76,7 +76,7 @@ interface LiveMoment extends Moment {
   joints: Joint[];
   cuts: number[];
   /** Points, normals and impulses of contacts. */
-  contacts: Float32Array;
+  contacts: Float64Array;
 }
 
 /** What a painter draws: a moment, and what the stage adds to it. */
@@ -198,6 +198,7 @@ interface Subject {
   widths: ArrayLike<number>;
   narrowest: number;
   up?: number;
+  free?: boolean;
 }
 
 /** Settings of a link; those that are missing or invalid are undefined. */

@@ -34,7 +34,8 @@ interface LiveScene {
   generation: number;
   role: string;
   dragon: LiveDragon | null;
-  field: Field;
+  view: Field;
+  follows: boolean;
   y_down: boolean;
   units: string;
   unit_of: Record<Kind | "impulse", string>;
@@ -99,6 +100,8 @@ interface Call extends Shape {
 interface LiveFrame {
   generation: number;
   time: number;
+  /** The point that the view follows. */
+  focus?: Point | null;
   clock: number;
   step: number;
   step_time: number;
@@ -108,12 +111,12 @@ interface LiveFrame {
   touching: number[];
   plots?: (number | null)[];
   sizes: Record<string, number>;
-  poses: Float32Array;
-  exact: Float32Array;
-  errors: Float32Array;
-  forces: Float32Array;
-  contacts: Float32Array;
-  joints: Float32Array;
+  poses: Float64Array;
+  exact: Float64Array;
+  errors: Float64Array;
+  forces: Float64Array;
+  contacts: Float64Array;
+  joints: Float64Array;
   calls: Call[];
 }
 

@@ -61,8 +61,8 @@ class Lab extends Surface {
     return `color-mix(in oklab, ${this.colours[two]} ${percent}%, ${this.colours[one]})`;
   }
 
-  // A slider; `show` writes its value, by default with so many `digits` and a unit, and `moved` gets
-  // it. One with `play()`, the change of its value in a second, has a button that moves it.
+  // A slider; `show` writes its value, by default with so many `digits` and a unit, and `moved`
+  // gets it. One with `play()`, the change of its value in a second, has a button that moves it.
   /** @type {(label: Words, options: SliderOptions) => Slid} */
   slider(label, { min, max, step, value, unit = "", digits, play, show, moved }) {
     const input = created("input", { type: "range", min, max, step, value });

@@ -62,6 +62,9 @@ class Live extends Stage {
     this.sliders = new Sliders(element("parameters"), (message) => this.send(message));
     this.tools = new Tools(this);
     this.recorder = new Recorder(this);
+    // Whether what there is now is to be shown, and not the first view; and whether it has been.
+    this.fits = false;
+    this.fitted = false;
     this.drawn = 0;
     // Keys of the scene that are down: codes, and the names that were sent.
     /** @type {Map<string, string>} */
@@ -124,6 +127,7 @@ class Live extends Stage {
     this.cachedMoment = null;
     this.model = new Model(scene);
     this.view.setSubject(this.model);
+    this.fitted = false;
     this.painter.model = this.model;
     this.scales = new Scales();
     this.charts.setModel(this.model);
@@ -133,6 +137,8 @@ class Live extends Stage {
     if (!same) {
       this.first = scene.parameters;
       this.setFollow("field");
+      this.fits = false;
+      if (scene.follows) this.beginToFollow();
       for (const name of LIVE_SWITCHES) this.shown[name] = SHOWN_OF_SCENE.includes(name);
       setText("announcement", translated(scene.title));
     }
@@ -237,7 +243,10 @@ class Live extends Stage {
     if (!this.drawn) this.clear(); // A new canvas is black.
     if (!frame || !state) return;
     this.leaveRoom();
-    this.followSubject(this.moment.benches.poses);
+    if (this.fits && !this.fitted) this.view.field = this.model.wholeField(frame);
+    this.fitted = true;
+    const { x, y } = this.moment.benches.poses;
+    this.followSubject(this.scene.follows ? frame.focus : [x[0], y[0]]);
     this.aims = this.pixel === null && element("field").matches(":focus-visible");
     tools.flush();
     this.scales.include(this.moment, now);
@@ -263,6 +272,28 @@ class Live extends Stage {
     this.view.top = element("toolbox").offsetHeight + EDGE;
     this.view.right = height > width ? width + EDGE : 0;
     this.view.bottom = height > width ? SCALE_BAR_ROOM : height + EDGE;
+  }
+
+  /** @type {(subject: string | null) => void} */
+  setFollow(subject) {
+    this.fits = subject === "field";
+    this.fitted = false;
+    super.setFollow(subject);
+  }
+
+  // Follow what a program follows, in a view of the size in which its scene begins.
+  beginToFollow() {
+    this.resize();
+    this.leaveRoom();
+    this.view.fit();
+    this.setFollow("head");
+  }
+
+  // A body is followed until the view is moved, also while it is zoomed.
+  /** @type {(how: string) => void} */
+  viewMoved(how) {
+    if (this.scene?.follows && this.follow === "head" && how !== "pan") this.afterChange();
+    else super.viewMoved(how);
   }
 
   // The switches that are on and make sense for the scene.

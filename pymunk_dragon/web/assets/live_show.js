@@ -80,7 +80,7 @@ function showAbilities(live) {
     "until-contact": "until_contact",
   };
   for (const id in parts) element(id).hidden = !model.can(parts[id]);
-  element("follow").hidden = model.benches === 0;
+  showFollow(live);
   element("parameters-part").hidden = live.scene.parameters.length === 0;
   const buttons = live.scene.buttons.map((name) => {
     const onclick = () => live.send({ do: "press", name, down: true });
@@ -94,6 +94,15 @@ function showAbilities(live) {
     ...(keys.length ? [localized("Keys"), ...keys] : []),
   );
   live.afterChange();
+}
+
+/** @type {(live: Live) => void} */
+function showFollow({ model, scene }) {
+  const button = element("follow");
+  button.hidden = model.benches === 0 && !scene.follows;
+  const what = scene.follows ? localized("Follow") : localized("Follow the head");
+  const sign = keySign(button.getAttribute("aria-keyshortcuts") ?? "");
+  Object.assign(button, { ariaLabel: what, title: `${what} (${sign})` });
 }
 
 /** @type {(live: Live) => void} */

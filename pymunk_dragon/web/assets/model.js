@@ -7,19 +7,17 @@ const NOTHING_YET = /** @type {any} */ (null);
 class Model {
   /** @param {LiveScene} scene */
   constructor(scene) {
-    const { dragon, field } = scene;
+    const { dragon, view } = scene;
     this.scene = scene;
-    this.field = field;
+    this.field = view;
+    this.free = !dragon;
     this.benches = dragon ? dragon.lengths.length : 0;
     /** @type {number[]} */
     this.lengths = dragon?.lengths ?? [];
     /** @type {number[]} */
     this.spacings = dragon?.spacings ?? [];
-    const side = Math.min(...field.size);
-    this.widths = dragon?.widths ?? [side / 20];
-    this.narrowest = dragon
-      ? Math.min(...this.widths)
-      : Math.max(side, Math.max(...field.size) / 10) / 50;
+    this.widths = dragon?.widths ?? [];
+    this.narrowest = Math.min(...this.widths);
     this.up = scene.y_down ? -1 : 1;
     this.hole = dragon?.hole ?? 0;
     /** @type {number[]} */
@@ -45,9 +43,7 @@ class Model {
   // A length as text.
   /** @type {(value: number) => string} */
   lengthText(value) {
-    return this.units === "m"
-      ? formatLength(value, 0)
-      : `${Number(value.toPrecision(3))} ${this.units}`;
+    return this.benches ? formatLength(value, 0) : roundLength(value, this.units);
   }
 
   // The force or torque in a joint as text.
@@ -58,6 +54,13 @@ class Model {
       return `${(effort / 1000).toFixed(1)} k${this.unitOf[kind]}`;
     }
     return `${numberText(effort)} ${this.unitOf[kind]}`;
+  }
+
+  // The area that "whole field" shows: a dragon's own or a window, and otherwise what there is now.
+  /** @type {(frame: LiveFrame) => Field} */
+  wholeField({ calls }) {
+    const fixed = this.benches > 0 || this.can("pointer");
+    return (fixed ? null : extentOf(calls)) ?? this.field;
   }
 
   // What there is to see in a frame; exact benches not included.

@@ -6,6 +6,7 @@ const MOUSE_SLIP = 3; // pixels: the same for a mouse
 const GRAB_SLIP = 10; // pixels: the same for the server, where the body may have moved on
 const MOST_NOTCHES = 100; // of the wheel, in a message
 const DRAG_DIGITS = 6; // significant digits of where the hand is: inputs are kept in little memory
+const MOST_DIGITS = 17; // those of a number, where the hand is far from the origin
 const BUTTONS = [
   [1, 1],
   [4, 2],
@@ -142,12 +143,20 @@ class Tools {
   flush() {
     this.flushProgram();
     if (!this.carried || this.chosen === "program") return;
-    const [x, y] = this.live.view
-      .toWorld(...this.carried)
-      .map((value) => Number(value.toPrecision(DRAG_DIGITS)));
+    const [x, y] = this.placeAt(this.carried);
     if (this.sent && this.sent[0] === x && this.sent[1] === y) return;
     this.sent = [x, y];
     this.live.send({ do: "drag", x, y });
+  }
+
+  // Where in the world a pixel is, to a tenth of a pixel at least.
+  /** @type {(pixel: Point) => Numbers} */
+  placeAt(pixel) {
+    const { view } = this.live;
+    return view.toWorld(...pixel).map((value) => {
+      const digits = Math.ceil(Math.log10(Math.abs(value) * view.scale)) + 1;
+      return Number(value.toPrecision(bounded(digits, DRAG_DIGITS, MOST_DIGITS)));
+    });
   }
 
   // ---- pointer and wheel of a program
@@ -172,9 +181,7 @@ class Tools {
 
   /** @type {(pixel: Point, kind: string, button: number) => void} */
   sendPointer(pixel, kind, button) {
-    const [x, y] = this.live.view
-      .toWorld(...pixel)
-      .map((value) => Number(value.toPrecision(DRAG_DIGITS)));
+    const [x, y] = this.placeAt(pixel);
     this.live.send({ do: "pointer", x, y, kind, button });
   }
 
