@@ -183,13 +183,17 @@ def _near_misses(misses: Sequence[NearMiss]) -> Section:
         "Small local minima of the distance between benches that are not neighbours, "
         "in the exact model."
     )
+    return Section("near-misses", text("Near misses"), note, {"": near_miss_table(misses)})
+
+
+def near_miss_table(misses: Sequence[NearMiss]) -> Table:
+    """Table of near misses."""
     rows = []
     for miss in misses[:_MAX_ROWS]:
         gap = _number(miss.gap, 3, scale=1e3)
         rows.append([_number(miss.time, 4), _pair(miss.benches), gap])
     heads = ("time (s)", "benches", "gap (mm)")
-    tables = _cut(heads, rows, len(misses), left=(1,))
-    return Section("near-misses", text("Near misses"), note, tables)
+    return _cut(heads, rows, len(misses), left=(1,))[""]
 
 
 def _windows(windows: Sequence[ContactWindow]) -> Section:

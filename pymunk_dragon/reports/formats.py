@@ -12,7 +12,7 @@ import re
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -27,6 +27,9 @@ from pymunk_dragon.model.run import Run
 from pymunk_dragon.reports import document
 from pymunk_dragon.reports.summary import Summary, summarize
 from pymunk_dragon.web.html import asset, data_address, filled
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 # Characters with a meaning in Markdown, embedded HTML or GitHub's dialect.
 _MARKUP = re.compile(r"[\\`*_{}\[\]<>|&~$#@!]")
@@ -131,7 +134,7 @@ def _html(summary: Summary) -> str:
         text=text,
         document=document,
         summary=summary,
-        pictures=_pictures(summary.run),
+        pictures=contact_pictures(summary.run),
         chart=_chart(summary.run),
         colours=asset("pymunk_dragon.web", "assets/colours.css"),
     )
@@ -180,7 +183,7 @@ def _escaped(content: str) -> str:
     return _MARKUP.sub(r"\\\g<0>", " ".join(content.split()))
 
 
-def _pictures(run: Run) -> list[tuple[str, str]]:
+def contact_pictures(run: Run) -> list[tuple[str, str]]:
     """Captions and addresses of pictures of the head and of the whole dragon.
 
     They show the first contact, or else the end of the run.
@@ -218,8 +221,15 @@ def _chart(run: Run) -> str | None:
     if not all(map(is_installed, needed)):
         return None
 
+    with suppress(ParameterError):
+        return svg_address(figure("drift", run))
+    return None
+
+
+def svg_address(drawn: Figure) -> str:
+    """Address of a figure as SVG."""
     svg = io.BytesIO()
-    with suppress(ParameterError), styled():
+    with styled():
         # Without a date, for the same bytes each time.
-        figure("drift", run).savefig(svg, format="svg", metadata={"Date": None})
-    return data_address(svg.getvalue(), "image/svg+xml") if svg.tell() else None
+        drawn.savefig(svg, format="svg", metadata={"Date": None})
+    return data_address(svg.getvalue(), "image/svg+xml")

@@ -38,8 +38,8 @@ _TABLE = r"""
 def write_latex(states: States, handles: Sequence[int], path: str | Path) -> None:
     """Write positions and speeds of the `handles` as tables for LaTeX, which break over pages.
 
-    The file, to be input in a document, has a table of positions and one of speeds for each six times, with six
-    decimals, and needs the packages booktabs and longtable.
+    The file, to be input in a document, has a table of positions and one of speeds for each six
+    times, with six decimals. It needs the packages booktabs and longtable.
 
     Examples
     --------

@@ -71,6 +71,7 @@ from collections.abc import Mapping
 from pymunk_dragon.studies._study import Result, Study
 from pymunk_dragon.studies.max_speed import MaxSpeed, max_speed
 from pymunk_dragon.studies.min_pitch import MinPitch, min_pitch
+from pymunk_dragon.studies.paper import Paper, paper
 from pymunk_dragon.studies.sensitivity import Sensitivity, sensitivity
 from pymunk_dragon.studies.u_turn import TurnResult, u_turn
 
@@ -78,12 +79,14 @@ __all__ = [
     "STUDIES",
     "MaxSpeed",
     "MinPitch",
+    "Paper",
     "Result",
     "Sensitivity",
     "Study",
     "TurnResult",
     "max_speed",
     "min_pitch",
+    "paper",
     "sensitivity",
     "u_turn",
 ]
@@ -99,6 +102,12 @@ _STUDIES = (
         summary="largest speed of the head in the U-turn (question 5)",
         run=max_speed,
         flags={"limit": ("M/S", "no handle shall be faster, m/s.  [2]")},
+    ),
+    Study(
+        name="paper",
+        summary="all five answers, with errors and sensitivities, as a page",
+        run=paper,
+        formats=(".json", ".html"),
     ),
     Study(
         name="sensitivity",
