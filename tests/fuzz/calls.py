@@ -122,6 +122,14 @@ def turn(**arguments):
         return dragons.u_turn(**arguments)
 
 
+def answers(**arguments):
+    """All five answers without the work, which takes long."""
+    module = sys.modules["pymunk_dragon.studies.paper"]
+    work = dict.fromkeys(("sensitivity", "slopes", "max_speed", "u_turn"), mock.DEFAULT)
+    with mock.patch.multiple(module, **work):
+        return studies.paper(**arguments)
+
+
 FLOAT = (1.0, "number")
 WHOLE = (2, "int")
 OPTIONAL = (None, "number none")
@@ -465,6 +473,7 @@ CALLS = {
             "progress": (FUNCTION, "function"),
         },
     ),
+    "paper": (answers, {"dragon": (DRAGON, "none"), "progress": (FUNCTION, "function")}),
     "max_speed": (
         dragons.max_speed,
         {
