@@ -12,7 +12,7 @@ import re
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -20,16 +20,12 @@ from pymunk_dragon._extras import is_installed
 from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon._language import language, text
 from pymunk_dragon.drawing import Camera, Film, still_png
-from pymunk_dragon.drawing.figures import figure
-from pymunk_dragon.drawing.figures.style import styled
+from pymunk_dragon.drawing.figures import figure, svg_of
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.reports import document
 from pymunk_dragon.reports.summary import Summary, summarize
 from pymunk_dragon.web.html import asset, data_address, filled
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 # Characters with a meaning in Markdown, embedded HTML or GitHub's dialect.
 _MARKUP = re.compile(r"[\\`*_{}\[\]<>|&~$#@!]")
@@ -222,14 +218,5 @@ def _chart(run: Run) -> str | None:
         return None
 
     with suppress(ParameterError):
-        return svg_address(figure("drift", run))
+        return data_address(svg_of(figure("drift", run)), "image/svg+xml")
     return None
-
-
-def svg_address(drawn: Figure) -> str:
-    """Address of a figure as SVG."""
-    svg = io.BytesIO()
-    with styled():
-        # Without a date, for the same bytes each time.
-        drawn.savefig(svg, format="svg", metadata={"Date": None})
-    return data_address(svg.getvalue(), "image/svg+xml")

@@ -10,12 +10,12 @@ from pathlib import Path
 from pymunk_dragon._checks import instance
 from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon._language import language, text
-from pymunk_dragon.drawing.figures import figure
+from pymunk_dragon.drawing.figures import figure, svg_of
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.reports.document import Table, near_miss_table
-from pymunk_dragon.reports.formats import contact_pictures, svg_address
+from pymunk_dragon.reports.formats import contact_pictures
 from pymunk_dragon.studies import Paper
-from pymunk_dragon.web.html import asset, filled
+from pymunk_dragon.web.html import asset, data_address, filled
 from pymunk_dragon.web.markup import html, mathml
 
 
@@ -126,10 +126,11 @@ def _figures(found: Paper) -> dict[str, str]:
     contact = found.contact.contact
     run = replace(Run.exact(found.march, [found.contact.time]), first_contact=contact)
     (_, head), *_ = contact_pictures(run)
-    answers = {"min-pitch": found.smallest, "u-turn": found.turn, "max-speed": found.fastest}
+    drawn = {name: figure(name, found.march) for name in ("spiral", "gap")}
+    drawn["min-pitch"] = found.smallest.plot()
+    drawn["u-turn"] = found.turn.plot()
+    drawn["max-speed"] = found.fastest.plot()
     addresses = {"contact": head}
-    for name in ("spiral", "gap"):
-        addresses[name] = svg_address(figure(name, found.march))
-    for name, answer in answers.items():
-        addresses[name] = svg_address(answer.plot())
+    for name, each in drawn.items():
+        addresses[name] = data_address(svg_of(each), "image/svg+xml")
     return addresses

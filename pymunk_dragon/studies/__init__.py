@@ -53,10 +53,10 @@ The contest's own sheets are written by `positions --times 0:300:1 -o result1.xl
 
 ## All of it on a page
 
-`study paper -o answers.html` writes one page with all five answers as a paper has them: figures, the
-derivation in formulas, where each certificate comes from, and errors and sensitivities in a table
-(`pip install 'pymunk-dragon[demos]'`). It opens without a network and prints on A4; `--lang zh` writes
-it in Chinese. `positions -o table.tex` writes the tables of question 1 for LaTeX.
+`study paper -o answers.html` writes one page with all five answers as a paper has them: figures,
+the derivation in formulas, where each certificate comes from, and errors and sensitivities in a
+table (`pip install 'pymunk-dragon[demos]'`). It opens without a network and prints on A4; `--lang
+zh` writes it in Chinese. `positions -o table.tex` writes the tables of question 1 for LaTeX.
 
 ![The head touches the bench that it passes, at the smallest pitch](renders/figures/min-pitch.png)
 
