@@ -47,6 +47,13 @@ ERRORS = json.dumps(
         "errors": {
             f"{order} {n}": [4.0, 4 / 2**order, 1.0] for order in (1, 2) for n in (3, 10, 20)
         },
+        # Four handles at three times, 300 hundredths of a millimetre off at the end of 3 s.
+        "moved": {
+            f"{order} {n}": [[[[0, 100 * t]] * 4 for t in range(4)]] * 3
+            for order in (1, 2)
+            for n in (3, 10, 20)
+        },
+        "exact": [[[-2 * i, t] for i in range(6)] for t in range(4)],
     }
 )
 SUPERSCRIPTS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
