@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from browser import english_words, needs_browser, opened
+from browser import english_words, needs_browser, opened, wait_until
 
 import pymunk_dragon.lessons
 from pymunk_dragon import (
@@ -617,3 +617,45 @@ def test_stages_speak_chinese_and_fit_on_a_phone(visit, stage):
         assert readout(page) != chinese
         assert sorted(NUMBERS.findall(readout(page))) == sorted(NUMBERS.findall(chinese))
         assert found.complaints == []
+
+
+def test_state_of_a_stage_is_in_the_address_and_reset_brings_back_the_first_one(visit):
+    with visit("near-miss") as found:
+        page = found.page
+        first = readout(page)
+        set_slider(page, "coordinates", 3)
+        set_slider(page, "time", 412.6)
+        moved = readout(page)
+        wait_until(page, "location.hash === '#near-miss&time=412.6&coordinates=3'")
+        page.reload()
+        assert readout(page) == moved
+        page.get_by_role("button", name="Reset").press("Enter")
+        assert readout(page) == first
+        assert page.url.endswith("#near-miss")
+        # What is no state of the stage changes nothing.
+        page.goto(page.url + "&time=soon&zoom=[1]&pitch=2&coordinates=")
+        page.reload()
+        assert readout(page) == first
+        assert found.complaints == []
+
+
+def test_dragged_things_stay_in_the_address_and_colours_have_a_legend(visit):
+    with visit("sat") as found:
+        page = found.page
+        readout(page)
+        page.evaluate("""() => {
+          const lab = new Lab(document.querySelector('.stage'));
+          lab.ends = [[0, 1], [2, 3]];
+          lab.keep("two ends", () => lab.ends, (ends) => { lab.ends = ends; });
+          lab.legend([["head", ["the head", "龙头"]]]);
+          lab.requestDraw();
+          window.lab = lab;
+        }""")
+        assert readout(page) == ""
+        assert page.inner_text(".legend") == "the head"
+        page.evaluate("location.hash = '#sat&two_ends=[[4,5.5],[6,7],[8,9]]'")
+        wait_until(page, "lab.ends.length === 3")
+        for wrong in ("[[4],[5,6]]", "[]", "[[0,null]]", "7"):
+            page.evaluate(f"location.hash = '#sat&two_ends={wrong}'")
+            readout(page)
+            assert page.evaluate("lab.ends") == [[4, 5.5], [6, 7], [8, 9]]

@@ -32,6 +32,8 @@ class Played {
     this.generation = 0;
     this.running = false;
     this.holds = false; // whether the hand holds a body
+    /** @type {(() => void)[]} */
+    this.moved = []; // what sends the sliders that have moved
     /** @type {Words | null} */
     this.note = null; // why nothing moves
     this.enter();
@@ -83,6 +85,7 @@ class Played {
   begin() {
     this.send({ do: "scene", name: this.name });
     if (!this.plays) this.send({ do: "pause" });
+    for (const send of this.moved) send();
   }
 
   // ---- what comes from the engine
@@ -144,10 +147,10 @@ class Played {
   // A slider of the scene.
   /** @type {(name: string, label: Words, options: SliderOptions) => Slid} */
   slider(name, label, options) {
-    const slid = this.lab.slider(label, {
-      ...options,
-      moved: (value) => this.send({ do: "set", name, value }),
-    });
+    /** @type {(value: number) => void} */
+    const moved = (value) => this.send({ do: "set", name, value });
+    const slid = this.lab.slider(label, { ...options, moved });
+    this.moved.push(() => slid.value !== options.value && moved(slid.value));
     return slid;
   }
 
