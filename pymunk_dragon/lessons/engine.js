@@ -29,13 +29,23 @@ stages.engine = (lab) => {
     value: 0,
     show: (i) => `${1000 * substeps[i]} ms`,
   });
-  const order = lab.slider(["rule", "规则"], {
-    min: 1,
-    max: 2,
-    step: 1,
-    value: 1,
-    show: (value) => lab.say(rules[value - 1]),
-  });
+  let order = 1;
+  lab.button(
+    () =>
+      order === 1
+        ? ["Let the force act in the middle", "让力作用在正中"]
+        : ["Back to Pymunk's step", "回到引擎原来的步"],
+    () => {
+      order = 3 - order;
+    },
+  );
+  lab.keep(
+    "rule",
+    () => order,
+    (given) => {
+      order = given === 2 ? 2 : 1;
+    },
+  );
   const iterations = lab.slider(["iterations", "迭代次数"], {
     min: 0,
     max: passes.length - 1,
@@ -47,7 +57,7 @@ stages.engine = (lab) => {
   // The steps that were played to the end, for each rule and number of iterations.
   /** @type {Map<string, Set<number>>} */
   const tried = new Map();
-  const name = () => `${order.value} ${passes[iterations.value]}`;
+  const name = () => `${order} ${passes[iterations.value]}`;
   // Vectors at the time, on straight lines between frames.
   /** @type {(path: Point[][]) => Point[]} */
   const now = (path) => {
@@ -59,14 +69,25 @@ stages.engine = (lab) => {
       return [x + share * (nextX - x), y + share * (nextY - y)];
     });
   };
-  // How far the handles are off, in m.
+  // How far the handles are off, in hundredths of a millimetre.
   /** @type {() => Point[]} */
-  const off = () => now(moved[name()][step.value]).map(([x, y]) => [1e-5 * x, 1e-5 * y]);
+  const off = () => now(moved[name()][step.value]);
+  /** @type {(vector: Numbers) => string} */
+  const millimetres = ([x, y]) => `${(Math.hypot(x, y) / 100).toFixed(2)} mm`;
+  /** @type {(vectors: Point[]) => number} */
+  const farthest = (vectors) =>
+    smallestOf([...vectors.keys()], (i) => -Math.hypot(vectors[i][0], vectors[i][1]));
 
   lab.label = [
     "The engine's dragon beside the exact one, and the largest errors over the step",
     "引擎算出的板凳龙与精确的板凳龙，以及最大误差随步长的变化",
   ];
+  lab.legend([
+    ["curve", ["exact", "精确"]],
+    ["body", rules[0]],
+    ["tail", rules[1]],
+    ["contact", [`error × ${magnified}`, `误差，放大 ${magnified} 倍`]],
+  ]);
   lab.update = () => {
     if (time.value < last) return;
     const steps = tried.get(name()) ?? new Set();
@@ -75,23 +96,26 @@ stages.engine = (lab) => {
   lab.pane(
     0.6,
     () => {
-      const [x, y] = now(exact)[5];
-      return { x, y, size: 10, wide: 15 };
+      const handles = now(exact);
+      const [x, y] = handles[1];
+      const [behindX, behindY] = handles[6];
+      return { x: (x + behindX) / 2, y: (y + behindY) / 2, size: 12.5, wide: 15 };
     },
     (pane) => {
       const handles = now(exact);
       const apart = off();
-      const colour = colours[order.value - 1];
+      const colour = colours[order - 1];
       const own = handles.map(
-        ([x, y], i) => /** @type {Point} */ ([
-          x + magnified * apart[i][0],
-          y + magnified * apart[i][1],
-        ]),
+        ([x, y], i) =>
+          /** @type {Point} */ ([
+            x + 1e-5 * magnified * apart[i][0],
+            y + 1e-5 * magnified * apart[i][1],
+          ]),
       );
       pane.benches(benchesBetween(dragon, handles), () => "curve", 0.7);
       pane.benches(benchesBetween(dragon, own), (i) => (i === 0 ? "head" : colour), 0.85);
       handles.forEach((handle, i) => pane.line([handle, own[i]], { colour: "contact", width: 3 }));
-      const worst = smallestOf([...handles.keys()], (i) => -Math.hypot(...apart[i]));
+      const worst = farthest(apart);
       if (time.value > 0) pane.text(own[worst], millimetres(apart[worst]), { dx: 30 });
     },
   );
@@ -136,10 +160,11 @@ stages.engine = (lab) => {
     const found = errors[name()];
     const i = step.value;
     if (time.value < last) {
-      const size = (1000 * Math.max(...off().map(([x, y]) => Math.hypot(x, y)))).toFixed(2);
+      const apart = off();
+      const size = millimetres(apart[farthest(apart)]);
       return [
-        `Of these benches the worst is ${size} mm off now.`,
-        `这几节板凳中误差最大的此刻偏离 ${size} mm。`,
+        `Of these benches the worst is ${size} off now.`,
+        `这几节板凳中误差最大的此刻偏离 ${size}。`,
       ];
     }
     const size = found[i].toPrecision(3);
