@@ -145,3 +145,12 @@ interface Wall {
   light: number[] | undefined;
   at: (along: number, away?: number) => Point;
 }
+
+/** How far the course of a lesson came: its state, and the numbers of the choices. */
+interface Course {
+  state: string;
+  chosen: number[];
+}
+
+/** Moments of a scene, with the corners of each body. */
+type Film = Point[][][];

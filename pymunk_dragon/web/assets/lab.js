@@ -7,6 +7,7 @@
 /** @type {Record<string, (lab: Lab) => void>} */
 const stages = {};
 
+const SMALLER = 1.7; // times a picture in the list is smaller
 const LONGEST_FRAME = 0.1; // s: what one picture adds at most where a slider plays
 /** @type {Record<string, Point>} */
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowDown: [0, -1], ArrowUp: [0, 1] };
@@ -56,12 +57,17 @@ class Lab extends Surface {
     /** @type { { knob: HTMLElement, label: Words, pane: StagePane, at: () => Numbers }[]} */
     this.knobs = [];
     this.painted = 0; // ms: time of the last picture
+    this.isSmall = false; // whether it is a picture in the list, without controls
+    /** @type {Film | null} */
+    this.film = null; // what an engine would play there
     /** @type {Words} */
     this.label = ["", ""];
     /** @type {() => Words} */
     this.readout = () => ["", ""];
     /** @type {(() => void) | undefined} */
     this.update = undefined;
+    /** @type {((share: number) => void) | undefined} */
+    this.filmed = undefined;
   }
 
   /** @type {(words: Words) => string} */
@@ -74,15 +80,16 @@ class Lab extends Surface {
   legend(entries) {
     for (const [colour, words] of entries) {
       const swatch = created("i");
-      swatch.style.background = `var(--canvas-${colour}, var(--${colour === "text" ? "ink" : colour}))`;
+      const own = colour === "text" ? "ink" : colour;
+      swatch.style.background = `var(--canvas-${colour}, var(--${own}))`;
       const item = created("span");
       this.keys.push({ item, words });
       this.colourKey.append(created("li", {}, swatch, item));
     }
   }
 
-  // A thing to drag, or another part of the state, which stays in the address: `get` has a number, a
-  // list of numbers or a list of such lists, and `set` takes it back.
+  // A thing to drag, or another part of the state, which stays in the address: `get` has a number,
+  // a list of numbers or a list of such lists, and `set` takes it back.
   /** @type {(name: string, get: () => any, set: (value: any) => void) => void} */
   keep(name, get, set) {
     this.kept.add(name, get, set);
@@ -95,8 +102,8 @@ class Lab extends Surface {
     return `color-mix(in oklab, ${this.colours[two]} ${percent}%, ${this.colours[one]})`;
   }
 
-  // A slider; `show` writes its value, by default with so many `digits` and a unit, and `moved` gets
-  // it. One with `play()`, the change of its value in a second, has a button that moves it.
+  // A slider; `show` writes its value, by default with so many `digits` and a unit, and `moved`
+  // gets it. One with `play()`, the change of its value in a second, has a button that moves it.
   /** @type {(label: Words, options: SliderOptions) => Slid} */
   slider(label, { min, max, step, value, unit = "", digits, play, show, moved }) {
     const input = created("input", { type: "range", min, max, step, value });
@@ -234,13 +241,39 @@ class Lab extends Surface {
     this.update?.();
     this.kept.begin();
     let top = 0;
-    for (const pane of this.panes) {
-      const height = pane.share * this.height;
+    // A picture in the list has the first part only, without charts.
+    for (const pane of this.isSmall ? this.panes.slice(0, 1) : this.panes) {
+      const height = (this.isSmall ? 1 : pane.share) * this.height;
       pane.paint(top, this.width, height);
       top += height;
     }
     this.write(this.width);
     this.kept.remember();
+  }
+
+  // The same picture in a smaller canvas.
+  resize() {
+    super.resize();
+    if (!this.isSmall) return;
+    this.width *= SMALLER;
+    this.height *= SMALLER;
+    this.context.scale(1 / SMALLER, 1 / SMALLER);
+  }
+
+  // Move the slider that plays, or the first one, or what the engine has played: a share of the way
+  // from where it begins to the farther end.
+  /** @type {(share: number) => void} */
+  sweep(share) {
+    const row = this.rows.find(({ play }) => play) ?? this.rows[0];
+    if (row && !this.film) {
+      const { input } = row;
+      const [least, most] = [Number(input.min), Number(input.max)];
+      const from = Number(input.defaultValue);
+      const to = most - from > from - least ? most : least;
+      input.value = String(from + share * (to - from));
+    }
+    this.filmed?.(share);
+    this.requestDraw();
   }
 
   // Move the sliders that play.

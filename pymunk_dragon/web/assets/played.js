@@ -36,7 +36,19 @@ class Played {
     this.moved = []; // what sends the sliders that have moved
     /** @type {Words | null} */
     this.note = null; // why nothing moves
-    this.enter();
+    if (lab.isSmall) lab.filmed = (share) => this.showFilm(share);
+    else this.enter();
+  }
+
+  // In the list: a picture of what was recorded.
+  /** @type {(share: number) => void} */
+  showFilm(share) {
+    const film = this.lab.film ?? [];
+    const bodies = film[Math.round(share * (film.length - 1))] ?? [];
+    const calls = bodies.map((points) => ({ kind: "polygon", points }));
+    /** @type {any} */
+    const frame = { calls, step: 0, time: 0 };
+    this.frame = frame;
   }
 
   // Whether the connection serves this stage.
