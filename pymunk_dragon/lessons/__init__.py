@@ -33,8 +33,9 @@ and a list of its choices with what comes of them; the right one is bold. What s
 stage, the question and the choices, has at most 40 words, and the answer 120. "Check" has a number
 with decimals that the program prints. "Teacher" is a list, which begins with "- From grade 11; what
 the class knows. 45 minutes: how they are spent." and "- Goal: what the lesson teaches.". Formulas
-are LaTeX between dollar signs. A lesson without a `scene` has a stage: a file of JavaScript beside it that sets
-`stages["NAME"]`, as `web/assets/lab.js` says. Chinese texts, in `zh.toml`, are optional.
+are LaTeX between dollar signs. A lesson without a `scene` has a stage: a file of JavaScript beside
+it that sets `stages["NAME"]`, as `web/assets/lab.js` says. Chinese texts, in `zh.toml`, are
+optional.
 """
 
 from collections.abc import Mapping
