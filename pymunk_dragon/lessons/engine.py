@@ -9,8 +9,9 @@ import json
 import matplotlib.pyplot as plt
 import numpy as np
 import pymunk
+from numpy.typing import NDArray
 
-from pymunk_dragon import Dragon, March, pull, simulate
+from pymunk_dragon import Dragon, March, Run, pull, simulate
 
 # The exact motion, and the engine's in four lengths of steps: Pymunk's own step is of order 1, the
 # rule of this project of order 2. The solver goes over all joints several times in each step.
@@ -19,10 +20,20 @@ exact = pull(march, until=8)
 substeps = [0.04, 0.02, 0.01, 0.005]  # s
 passes = [3, 10, 20, 80]
 errors = {}  # mm
+moved = {}  # how far the handles next to the head are off, 0.01 mm
+shown = np.linspace(0, 8, 41)  # s
+
+
+def handles(run: Run) -> NDArray[np.float64]:
+    """Positions of the first handles, m, as the page shows them: (times, handles, x and y)."""
+    return np.array(march.dragon.holes(run.poses_at(shown))[0][:, :13])
+
+
 plt.figure(figsize=(5, 3.5))
 for order, colour in [(1, "C1"), (2, "C0")]:
     for iterations in passes:
         off = []
+        paths = []
         for substep in substeps:
             run = simulate(
                 march,
@@ -34,7 +45,9 @@ for order, colour in [(1, "C1"), (2, "C0")]:
             )
             apart = run.poses - exact.poses_at(run.times)
             off.append(1000 * np.hypot(apart[..., 0], apart[..., 1]).max())
+            paths.append((1e5 * (handles(run) - handles(exact))).astype(int).tolist())
         errors[f"{order} {iterations}"] = off
+        moved[f"{order} {iterations}"] = paths
         print(f"order {order} {iterations:3d} iterations", *(f"{mm:8.4f} mm" for mm in off))
     plt.loglog(substeps, off, "o-", color=colour, label=f"order {order}, {iterations} iterations")
 plt.xlabel("substep (s)")
@@ -43,8 +56,10 @@ plt.legend()
 plt.savefig("engine.png", bbox_inches="tight")
 
 # What the page draws.
+data = {"substeps": substeps, "passes": passes, "errors": errors, "moved": moved}
+data["exact"] = handles(exact).round(3).tolist()
 with open("engine.json", "w") as file:
-    json.dump({"substeps": substeps, "passes": passes, "errors": errors}, file)
+    json.dump(data, file)
 
 # %%
 # A stone falls for a second: Pymunk moves it by its velocity before the step, and is behind.

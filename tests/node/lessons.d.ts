@@ -54,6 +54,15 @@ interface PulledRun {
   text: string;
 }
 
+/** What the lesson on the engine has written; lists by rule and iterations are by the step. */
+interface EngineRuns {
+  substeps: number[];
+  passes: number[];
+  errors: Record<string, number[]>;
+  moved: Record<string, Point[][][]>;
+  exact: Point[][];
+}
+
 interface SliderOptions {
   min: number;
   max: number;
