@@ -67,7 +67,7 @@ unguided.npz := simulate --guide none
 u-turn.npz := simulate --curve u-turn --from -100 --until 100
 report.npz := simulate --from 400 --until 416 --contacts report
 
-march.gif := render renders/march.npz --size 390
+march.gif := render renders/march.npz --size 390 --camera cut
 first_contact.gif := render renders/first_contact.npz --from 405.4 --camera head
 guides.gif := render renders/march.npz renders/unguided.npz --until 12.5 --size 330 \
 	--title "Dancers keep the dragon on its path"

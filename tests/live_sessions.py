@@ -46,6 +46,14 @@ class Listener(Client):
         self.take(json.dumps({"do": action, **arguments}))
 
 
+def notebook(run=1, cell="one", text=""):
+    """The module IPython in a run of a cell of a notebook, which may have an identifier."""
+    kernel = SimpleNamespace(get_parent=lambda: {"metadata": {"cellId": cell} if cell else {}})
+    names = {"In": ["", text]}
+    shell = SimpleNamespace(kernel=kernel, execution_count=run, user_ns=names)
+    return SimpleNamespace(get_ipython=lambda: shell)
+
+
 class Played:
     """A paused session without a server: `do` sends a message, `step` makes steps at once."""
 
@@ -154,7 +162,7 @@ def decoded(frame: bytes):
     [length] = struct.unpack_from("<I", frame)
     header = json.loads(frame[4 : 4 + length])
     sizes = header["sizes"]
-    rest = np.frombuffer(frame, "<f4", offset=4 + length)
+    rest = np.frombuffer(frame, "<f8", offset=4 + length)
     assert len(rest) == sum(sizes.values())
     parts = dict(zip(sizes, np.split(rest, np.cumsum(list(sizes.values()))[:-1]), strict=True))
     for name, columns in {"poses": 3, "exact": 3, "contacts": 5, "joints": 6}.items():

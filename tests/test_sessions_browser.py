@@ -38,7 +38,7 @@ PLACE = """([x, y]) => {
 # Whether the area of the scene is on the canvas, and neither behind the tools nor behind the
 # buttons of the view.
 IN_SIGHT = """() => {
-  const { centre: [x, y], size: [width, height] } = live.scene.field;
+  const { centre: [x, y], size: [width, height] } = live.scene.view;
   // The upper left corner and the lower right one: y points up in the scene, and down on the page.
   const [left, top] = live.view.toScreen(x - width / 2, y + height / 2);
   const [right, bottom] = live.view.toScreen(x + width / 2, y - height / 2);
@@ -298,7 +298,7 @@ def test_page_shows_keys_events_errors_and_charts_of_a_program(browser):
     with shown(
         browser, source_of(pymunk.Space, PlaySettings(controls=controls, events=events))
     ) as (_, page):
-        assert "↑" in page.inner_text("#actions")
+        assert "↑" in page.inner_text("#held-keys")
         page.keyboard.down("ArrowUp")
         # Another window has the focus when the key is released.
         page.evaluate("dispatchEvent(new Event('blur'))")
@@ -364,7 +364,7 @@ def test_page_shows_forces_and_torques_in_their_units_and_on_scales_of_their_own
         ]
         assert page.text_content("#torque-name") == "Torque by joint (N m)"
         captions = page.eval_on_selector_all(
-            "#charts-own figcaption > :first-child", "all => all.map((x) => x.textContent)"
+            "#charts-own select", "all => all.map((x) => x.selectedOptions[0].text)"
         )
         assert captions == [
             "Kinetic energy (J)",

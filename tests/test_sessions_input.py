@@ -53,7 +53,7 @@ def moved(kind):
 
 @pytest.mark.parametrize("kind", ["circle", "box", "kinematic", "turned", "segment"])
 def test_first_view_shows_bodies_that_were_moved_after_their_shapes_were_added(kind):
-    assert Scene(moved(kind), PlaySettings()).field == {
+    assert Scene(moved(kind), PlaySettings()).view == {
         "centre": pytest.approx([100, 50]),
         "size": pytest.approx([1 if kind == "segment" else 2, 2]),
     }
@@ -89,7 +89,7 @@ def test_static_body_that_is_moved_is_drawn_where_it_collides_until_it_is_reinde
     scene = Scene(space, PlaySettings())
     for bottom in (-0.1, -3.1):
         scene.fit()
-        assert scene.field["centre"][1] - scene.field["size"][1] / 2 == pytest.approx(bottom)
+        assert scene.view["centre"][1] - scene.view["size"][1] / 2 == pytest.approx(bottom)
         for _ in range(300):
             scene.advance()
         assert body.position.y == pytest.approx(bottom + 0.7, abs=0.1)

@@ -344,17 +344,17 @@ def test_map_has_a_cell_for_each_point_and_lines_where_other_benches_touch():
     np.testing.assert_allclose(np.ma.filled(mesh.get_array(), np.nan), expected)
     # Benches 9 at (0.2, 3), (0.3, 2) and (0.3, 3), benches 8 at smaller products, and none at x =
     # 0.6.
-    lines = [
-        segment.ravel() for lines in artists(drawing, "jumps") for segment in lines.get_segments()
-    ]
-    found = sorted(tuple(np.round(line, 9).tolist()) for line in lines)
-    steps = [
-        (0.15, 2.5, 0.15, 3.5),
-        (0.15, 2.5, 0.25, 2.5),
-        (0.25, 1.5, 0.25, 2.5),
-        (0.25, 1.5, 0.45, 1.5),
-    ]
-    assert found == [*steps, *((0.45, y, 0.45, y + 1) for y in (0.5, 1.5, 2.5))]
+    lines = [np.round(line.get_xydata(), 9).tolist() for line in artists(drawing, "jumps")]
+    ends = {tuple(end) for line in lines for end in line}
+    # Half-way between all neighbouring points that differ; between (0.3, 1) and (0.6, 1.5), three
+    # kinds meet in the middle.
+    between = {(0.15, 3.0), (0.2, 2.5), (0.25, 2.0), (0.3, 1.5)} | {
+        (0.45, y) for y in (1.0, 2.0, 3.0)
+    }
+    assert between | {(0.45, 1.5)} <= ends
+    rims = {(0.15, 3.5), (0.45, 0.5), (0.45, 3.5)}
+    assert ends == between | rims | {(0.45, 1.5)}
+    assert [[0.25, 2.0], [0.3, 1.5]] in map(sorted, lines)
     texts = {text.get_text() for text in drawing.findobj(matplotlib.text.Text)}
     labels = {"0 and 8", "0 and 9", "clear", "gap, m", "no value", "reference: x 0.25"}
     assert labels | {"Two sides over x and y: 0.1 to 0.9 m"} <= texts

@@ -78,7 +78,7 @@ def _pixels(given: str) -> int | tuple[int, ...]:
 @click.option(
     "--camera",
     "follow",
-    type=click.Choice(["field", "head"]),
+    type=click.Choice(["field", "head", "cut"]),
     default="field",
     help="The view.  [field]",
 )

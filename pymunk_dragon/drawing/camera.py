@@ -8,7 +8,7 @@ from typing import Literal, get_args
 from pymunk_dragon._checks import finite, word
 
 # What a camera follows.
-Target = Literal["field", "head"]
+Target = Literal["field", "head", "cut"]
 
 # m: bounds of the width of a view, which detect lengths in another unit. The least shows less than
 # two holes of a bench.
@@ -23,11 +23,13 @@ class Camera:
 
     Parameters
     ----------
-    follow : {"field", "head"}
-        Keep the camera fixed over the whole field, or centre it on the head bench.
+    follow : {"field", "head", "cut"}
+        Keep the camera fixed over the whole field, centre it on the head bench, or cut from the
+        whole field to the head before the first near miss or contact.
     span : float, optional
         Width of the ground in view, m, from 0.1 to 1e5. The default for "field" holds the dragon
-        during the whole film, the default for "head" is 20 times the head bench's width.
+        during the whole film, the default for "head" is 20 times the head bench's width. With
+        "cut" it is the width of the view that follows the head.
 
     Examples
     --------

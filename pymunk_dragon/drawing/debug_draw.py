@@ -57,10 +57,11 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from io import BytesIO
-from itertools import chain
+from itertools import chain, pairwise
+from typing import Any
 
 import pymunk
-from PIL import Image, ImageDraw, ImageOps
+from PIL import Image, ImageColor, ImageDraw, ImageOps
 from pymunk.space_debug_draw_options import SpaceDebugColor as Colour
 
 from pymunk_dragon._checks import finite, flag, instance
@@ -87,8 +88,8 @@ _HOLE_INSET = 2 / math.pi - _EDGE_INSET
 _MAX_REACH = 1e9
 # Pixels.
 _STILL_SIZE = 640, 480
-# Least width and height of the area of a space.
-_SMALLEST = 1e-3
+# Least width and height of the area of a space over the larger of the two.
+_THINNEST = 1e-3
 
 
 @dataclass(slots=True)
@@ -98,7 +99,7 @@ class DrawCall:
     Lengths have the space's units, and colours are those of Pymunk, 0 to 255.
 
     `name` is "circle", "segment" or "polygon" for shapes, "line" or "dot" for constraints, and
-    "contact". `points` has a centre, the ends of a line, or corners. The `radius` of a dot is in
+    "contact". `points` has a centre, the points of a line, or corners. The `radius` of a dot is in
     pixels. Only what is drawn for a `shape` has an `outline`, and only circles have an `angle`,
     rad.
     """
@@ -300,17 +301,24 @@ def area(space: pymunk.Space) -> tuple[float, float, float, float]:
     box = extent(space)
     if box.left > box.right:
         box = pymunk.BB(-1, -1, 1, 1)
-    width = max(box.right - box.left, _SMALLEST)
-    height = max(box.top - box.bottom, _SMALLEST)
-    return *box.center(), width, height
+    width = box.right - box.left
+    height = box.top - box.bottom
+    # All may be a point.
+    least = _THINNEST * (max(width, height) or 1.0)
+    return *box.center(), max(width, least), max(height, least)
 
 
 def still(
-    space: pymunk.Space, field: Mapping[str, Sequence[float]], *, y_down: bool, flags: int
+    space: pymunk.Space,
+    field: Mapping[str, Sequence[float]],
+    *,
+    y_down: bool,
+    flags: int,
+    more: Sequence[DrawCall],
 ) -> bytes:
     """PNG of a part of a space, of a centre and a size.
 
-    The `flags` of debug drawing choose what is drawn.
+    The `flags` of debug drawing choose what is drawn; `more` is drawn over it.
     """
     options = PillowDrawOptions(Image.new("RGB", _STILL_SIZE, "white"), positive_y_is_up=not y_down)
     options.flags = flags
@@ -318,9 +326,22 @@ def still(
     width, height = field["size"]
     options.fit(pymunk.BB(x - width / 2, y - height / 2, x + width / 2, y + height / 2))
     space.debug_draw(options)
+    with options:
+        options.calls += more
     file = BytesIO()
     options.image.save(file, "png")
     return file.getvalue()
+
+
+def colour(name: str, value: Any) -> Colour:
+    """A colour of Pymunk's from a name, a text as "#rrggbb", or three or four numbers."""
+    try:
+        numbers: Any = ImageColor.getcolor(value, "RGBA") if isinstance(value, str) else value
+        red, green, blue, *alpha = (finite(name, each, 0, 255, "") for each in numbers)
+        return Colour(red, green, blue, *alpha or [255])
+    except (TypeError, ValueError):
+        bound = "the name of a colour, #rrggbb, or 3 or 4 numbers from 0 to 255"
+        raise ParameterError(name, value, bound) from None
 
 
 def _paint(draw: ImageDraw.ImageDraw, view: pymunk.Transform, line: float, call: DrawCall) -> None:
@@ -340,8 +361,8 @@ def _paint(draw: ImageDraw.ImageDraw, view: pymunk.Transform, line: float, call:
         reach = _COLLISION_MARK * line * (end - begin).normalized()
         points = [middle - reach, middle + reach]
     if call.name in ("contact", "line"):
-        begin, end = points
-        _paint_line(draw, begin, end, width, fill)
+        for begin, end in pairwise(points):
+            _paint_line(draw, begin, end, width, fill)
         return
 
     if call.name == "segment":

@@ -93,8 +93,11 @@ class Scene:
             kinds.update(_kinds(len(poses), self._contact_at(time))[seen].tolist())
         return kinds
 
-    def draw(self, time: float, poses: Array) -> Image.Image:
-        """Draw the benches at `poses` (N, 3) and a time, s (mode RGB)."""
+    def draw(self, time: float, poses: Array, rate: float | None = None) -> Image.Image:
+        """Draw the benches at `poses` (N, 3) and a time, s (mode RGB).
+
+        In a film, `rate` is the simulated time in a second of film, s.
+        """
         layer = self.layer(time, poses)
         contact = self._contact_at(time)
         draw_overlays(layer, self.show, below=True)
@@ -119,7 +122,10 @@ class Scene:
         draw_overlays(layer, self.show)
         speed = float(self.source.march.speed_profile.at(time))
         right = text("head {:.2f} m/s").format(speed)
-        return self._with_texts(layer.image.reduce(BLOCK), f"t = {time:.2f} s", right, below)
+        left = f"t = {time:.2f} s"
+        if rate is not None:
+            left += text(", {:.2g} x real time").format(rate)
+        return self._with_texts(layer.image.reduce(BLOCK), left, right, below)
 
     def _contact_at(self, time: float) -> Contact | None:
         """First contact, if it has occurred."""

@@ -19,7 +19,7 @@ stages.tension = (lab) => {
 
   /** @type {() => { number: number, force: number, point: Point }[]} */
   const joints = () => {
-    const rows = [...rowsOf(engine.frame?.joints ?? new Float32Array(0), JOINT_SIZE)];
+    const rows = [...rowsOf(engine.frame?.joints ?? new Float64Array(0), JOINT_SIZE)];
     if (!numbers.length) numbers = [...rows.keys()];
     return rows.map(([x0, y0, x1, y1, force], place) => ({
       number: numbers[place],

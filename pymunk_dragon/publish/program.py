@@ -12,7 +12,6 @@ from typing import Any, NoReturn
 
 from pymunk_dragon._checks import instance, instances
 from pymunk_dragon._files import read_text
-from pymunk_dragon.drawing.debug_draw import still
 from pymunk_dragon.errors import FileFormatError, ParameterError
 from pymunk_dragon.sessions.live import Live
 from pymunk_dragon.sessions.scene import Scene
@@ -65,9 +64,11 @@ def read_program(path: str | Path, include: Sequence[str | Path] = ()) -> Progra
         contents = {name: file.read_bytes() for name, file in files.items()}
     except OSError as error:
         raise ParameterError("include", error.filename, f"a file ({error.strerror})") from error
+    scene = _scene(path)
     title, _, text = (ast.get_docstring(tree) or path.stem).partition("\n")
+    title = scene.settings.title or title.rstrip(".")
     text = " ".join(text.split()) or "A space that Pymunk plays in this page."
-    return Program(path.name, contents, title.rstrip("."), text, _picture(path))
+    return Program(path.name, contents, title, text, scene.picture())
 
 
 def _parsed(path: Path) -> ast.Module:
@@ -104,8 +105,8 @@ class _Shown(BaseException):
         self.session = session
 
 
-def _picture(path: Path) -> bytes:
-    """Picture of the first state of the scene of a program, which is run until it calls `live`."""
+def _scene(path: Path) -> Scene:
+    """The scene of a program, which is run until it calls `live`."""
 
     def end(session: Session, **options: Any) -> NoReturn:
         raise _Shown(session)
@@ -130,10 +131,4 @@ def _picture(path: Path) -> bytes:
     if scene.manual:
         rule = "makes its steps itself (step=None), which a page cannot do: give live a step"
         raise FileFormatError(path, rule)
-    return picture_of(scene)
-
-
-def picture_of(scene: Scene) -> bytes:
-    """Picture of the present state of a scene, as a PNG."""
-    y_down = scene.settings.y_down
-    return still(scene.space, scene.field, y_down=y_down, flags=scene.drawn)
+    return scene

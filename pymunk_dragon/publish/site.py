@@ -18,7 +18,7 @@ from pymunk_dragon.lessons._framework.page import run_page
 from pymunk_dragon.model.march import March
 from pymunk_dragon.physics.simulation import simulate
 from pymunk_dragon.player import write_player
-from pymunk_dragon.publish.program import picture_of, read_program
+from pymunk_dragon.publish.program import read_program
 from pymunk_dragon.publish.runtime import CDN, PACKAGES, engine_files
 from pymunk_dragon.sessions.page import live_page
 from pymunk_dragon.sessions.scenes import named_scene
@@ -71,7 +71,7 @@ def publish_site(
         engine = write_engine(draft, runtime, {})
         site = engine | {"lessons": "index.html"}
         scene = named_scene("dragon").build({})
-        _write_page(draft / "live.html", _SCENES, _ABOUT, site, picture_of(scene))
+        _write_page(draft / "live.html", _SCENES, _ABOUT, site, scene.picture())
         write_player(simulate(March(), start=_RUN_START), draft / "player.html")
         lessons = list(LESSONS.values())
         page = run_page(lessons, language(), progress, site=engine, pages=_PAGES)
@@ -91,7 +91,7 @@ def publish_program(
     ----------
     program : path
         The program, which is run until it calls `live`. The first line of its docstring is the
-        title of the page.
+        title of the page, unless it gives `live` a title.
     folder : path
         A new folder, or an empty one. An error leaves it as it was.
     include : sequence of path

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 import webbrowser
 from collections.abc import Callable, Mapping, Sequence
@@ -9,13 +10,11 @@ from contextlib import AbstractContextManager
 from dataclasses import replace
 from functools import cached_property
 from html import escape
-from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import pymunk
 
 from pymunk_dragon._checks import (
-    MAX_COORDINATE,
     finite,
     flag,
     function,
@@ -23,14 +22,15 @@ from pymunk_dragon._checks import (
     instances,
     label,
     numbers,
-    positive,
     whole,
     word,
 )
 from pymunk_dragon._extras import library
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March
+from pymunk_dragon.sessions import ends
 from pymunk_dragon.sessions.controls import Button, Key, PygameEvents, Slider
+from pymunk_dragon.sessions.draw import Draw
 from pymunk_dragon.sessions.restore import FirstState
 from pymunk_dragon.sessions.scene import PARTS, PlaySettings
 from pymunk_dragon.sessions.scenes import SceneSource, march_scene, named_scene, space_scene
@@ -41,6 +41,10 @@ if TYPE_CHECKING:
 
 # Ports have 16 bits.
 _MAX_PORT = 65_535
+# Longest time that a program waits at once, s: on Windows, Ctrl-C takes effect only between waits.
+_MAX_WAIT = 0.1
+# Exit code of a program that Ctrl-C ended.
+_INTERRUPTED = 130
 
 
 class Live(AbstractContextManager["Live"]):
@@ -55,14 +59,19 @@ class Live(AbstractContextManager["Live"]):
 
     # Makes the handle of a session: another one where a program is published.
     made_by: ClassVar[Callable[..., Live] | None] = None
+    # Whether the session is shown, also to those who do not know its address.
+    shown = True
 
     def __init__(self, session: Session, *, browser: bool = False, **options: Any) -> None:
         # Where there are widgets, the server may use the port much later.
         whole("port", options["port"], 0, _MAX_PORT)
         self._session = session
         self._options = options
-        if not _has_widgets() and self.address and browser:
-            webbrowser.open(self.address)
+        # The session of the cell's last run may have the port.
+        ends.begin(self, session)
+        if not ends.has_widgets():
+            address = self.address
+            self.shown = browser and webbrowser.open(address)
         session.start()
 
     @cached_property
@@ -96,8 +105,31 @@ class Live(AbstractContextManager["Live"]):
         """
         self._session.step(dt)
 
+    def wait(self) -> None:
+        """Keep the program running until the session ends.
+
+        Ctrl-C ends the session, and the program with exit code 130. A published page goes on
+        without its program, so there the program does not wait; nor does one that makes the steps
+        itself.
+
+        Examples
+        --------
+        >>> live(build).wait()  # doctest: +SKIP
+        """
+        try:
+            while self._session.goes_on(_MAX_WAIT):
+                pass
+        except KeyboardInterrupt:
+            self.stop()
+            # One types commands, and goes on with that.
+            if ends.is_interactive():
+                raise
+            ends.note("interrupted")
+            sys.exit(_INTERRUPTED)
+
     def stop(self) -> None:
         """End the session and its server."""
+        ends.forget(self)
         self._session.stop()
         if "_server" in vars(self):
             self._server.stop()
@@ -111,7 +143,7 @@ class Live(AbstractContextManager["Live"]):
 
     def _repr_mimebundle_(self, include: object = None, exclude: object = None) -> Any:
         """The page: a widget or, without anywidget, a frame."""
-        if _has_widgets():
+        if ends.has_widgets():
             from pymunk_dragon.sessions.widget import LiveWidget
 
             return LiveWidget(self._session).shown()
@@ -131,7 +163,7 @@ def live(
     follow: Callable[[pymunk.Space], pymunk.Body | tuple[float, float]] | None = None,
     title: str | None = None,
     show: Sequence[str] | None = None,
-    on_draw: Callable[[pymunk.Space, Any], object] | None = None,
+    on_draw: Callable[[pymunk.Space, Draw], object] | None = None,
     on_click: Callable[[pymunk.Space, pymunk.Vec2d, int], object] | None = None,
     y_down: bool = False,
     units: str = "m",
@@ -160,26 +192,31 @@ def live(
     on_step : callable, optional
         Function of the space and the time, s, that is called before each step.
     controls : sequence of Slider, Button, Key and PygameEvents
-        What the page has in addition.
+        What the page has in addition, each with a name of its own.
     plots : mapping of str to callable, optional
         Functions of the space whose values the page shows as charts, by their titles.
     events : list of str, optional
         List to which your functions append texts, which the page shows as events.
     view : tuple of float, optional
         Centre x, y, width and height of the area to show at first; by default that of all shapes
-        and joints.
+        and joints. The button "whole field" of the page shows what there is then.
     follow : callable, optional
-        Function of the space that returns the body or the point at the centre of the view.
+        Function of the space that returns a pymunk.Body or a point, on which the view stays centred
+        until it is moved. The first view then only has the size of `view`.
     title : str, optional
-        Title of the page; by default the first line of the docstring of `what`.
+        Title of the page; by default the first line of the docstring of a function that builds the
+        space.
     show : sequence of str, optional
         What the picture has at first beside shapes and joints: "contacts", "forces", and of a
         dragon "curve", "exact", "handles" and "numbers". By default nothing for a space, and the
         curve and contacts for a dragon.
     on_draw : callable, optional
-        Function of the space and of an object that draws, which is called for each picture.
+        Function of the space and a `Draw`, which draws lines, circles, arrows, trails and texts.
+        It is called for each picture that a page is sent, also while the session is paused.
     on_click : callable, optional
-        Function of the space, the point and the number of the button, which is called for a click.
+        Function of the space, the point, and the button (1 left, 2 middle, 3 right), which is
+        called between two steps for each click and tap with the tool "Program"; the page begins
+        with this tool. It then still drags bodies.
     y_down : bool
         Whether y points down.
     units : str
@@ -231,7 +268,7 @@ def live(
         controls=controls,
         plots={} if plots is None else plots,
         events=events,
-        view=view,
+        view=None if view is None else _checked_view(view),
         follow=follow,
         title=title,
         show=show,
@@ -245,7 +282,10 @@ def live(
         _check_unchanged(settings)
     session = Session(source_of(what, settings), running=not paused)
     make = Live.made_by or Live
-    return make(session, browser=browser, host=host, port=port, allow_hosts=allow_hosts)
+    running = make(session, browser=browser, host=host, port=port, allow_hosts=allow_hosts)
+    if not running.shown:
+        ends.note(f"the session is shown at {running.address}")
+    return running
 
 
 def _check_settings(settings: PlaySettings) -> None:
@@ -255,7 +295,14 @@ def _check_settings(settings: PlaySettings) -> None:
     if settings.on_step is not None:
         function("on_step", settings.on_step)
     described = "a sequence of Slider, Button, Key and others"
-    instances("controls", settings.controls, Slider | Button | PygameEvents, described)
+    controls = instances("controls", settings.controls, Slider | Button | PygameEvents, described)
+    names = [each.name for each in controls if not isinstance(each, PygameEvents)]
+    for name in names:
+        if names.count(name) > 1:
+            raise ParameterError("controls", name, "the name of one control only")
+    if settings.on_click is not None and len(names) < len(controls):
+        bound = "left out beside PygameEvents, which get the mouse"
+        raise ParameterError("on_click", settings.on_click, bound)
 
     plots = instance("plots", settings.plots, Mapping, "a mapping of titles to functions")
     for title, plot in plots.items():
@@ -264,8 +311,6 @@ def _check_settings(settings: PlaySettings) -> None:
     if settings.events is not None:
         instance("events", settings.events, list, "a list, to which texts are appended")
         instances("events", settings.events, str, "a list of texts")
-    if settings.view is not None:
-        _check_view(settings.view)
     for name in ("follow", "on_draw", "on_click"):
         if (called := getattr(settings, name)) is not None:
             function(name, called)
@@ -277,39 +322,39 @@ def _check_settings(settings: PlaySettings) -> None:
     label("units", settings.units)
 
 
-def _check_view(view: object) -> None:
-    """Check centre, width and height of a view."""
-    x, y, *size = numbers("view", [view], 4)[0].tolist()
-    for place in (x, y):
-        finite("view", place, -MAX_COORDINATE, MAX_COORDINATE, "")
-    for length in size:
-        positive("view", length, MAX_COORDINATE, "")
+def _checked_view(view: object) -> tuple[float, float, float, float]:
+    """Centre, width and height of a view."""
+    x, y, width, height = numbers("view", [view], 4)[0].tolist()
+    if math.isfinite(x + y) and 0 < width < math.inf and 0 < height < math.inf:
+        return x, y, width, height
+    raise ParameterError("view", view, "finite: centre, and a width and a height above 0")
 
 
 def _check_unchanged(settings: PlaySettings) -> None:
     """Refuse settings that a march and a named scene choose themselves."""
     usual = vars(PlaySettings())
     for name, value in vars(settings).items():
-        if value != usual[name] and value != []:  # The controls may be an empty list, too.
+        # The controls may be an empty list, too.
+        if name != "show" and value != usual[name] and value != []:
             raise ParameterError(name, value, "left out for a march and for a built-in scene")
 
 
 def source_of(what: object, settings: PlaySettings) -> SceneSource:
+    """How the scene of a march, a space, a function or a name is made, and what it shows."""
+    source = _scene_of(what, settings)
+    return source if settings.show is None else replace(source, show=settings.show)
+
+
+def _scene_of(what: object, settings: PlaySettings) -> SceneSource:
     """How the scene of a march, a space, a function or a name is made."""
     if what is None or isinstance(what, str):
         return named_scene("dragon" if what is None else what)
     if isinstance(what, March):
         return march_scene(what)
     if isinstance(what, pymunk.Space):
-        return replace(space_scene(FirstState(what).begin, settings), given=True)
+        source = space_scene(FirstState(what).begin, settings)
+        return replace(source, title=settings.title or "A space", given=True)
     if not callable(what):
         bound = "a March, a pymunk.Space, a function that returns one, or a scene's name"
         raise ParameterError("what", what, bound)
     return space_scene(what, settings)
-
-
-def _has_widgets() -> bool:
-    """Whether this runs in a notebook, for which anywidget is installed."""
-    python = sys.modules.get("IPython")
-    kernel = getattr(python and python.get_ipython(), "kernel", None)
-    return kernel is not None and find_spec("anywidget") is not None

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from numbers import Real
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,7 +15,7 @@ import pymunk
 
 from pymunk_dragon._arrays import Array
 from pymunk_dragon._checks import number, word
-from pymunk_dragon.drawing.debug_draw import DrawRecorder, area
+from pymunk_dragon.drawing.debug_draw import DrawRecorder, area, still
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.physics.readings import (
     QUANTITIES,
@@ -27,6 +29,7 @@ from pymunk_dragon.physics.readings import (
 )
 from pymunk_dragon.physics.substep import next_length
 from pymunk_dragon.sessions.controls import Button, Key, PygameEvents, Slider, slider_around
+from pymunk_dragon.sessions.draw import Draw
 from pymunk_dragon.web.frames import in_binary, packed
 
 # Largest acceleration of a body by the hand, m/s^2, as in Box2D's testbed.
@@ -61,7 +64,7 @@ class PlaySettings:
     title: str | None = None
     # Parts of the picture that are shown at first: words of `PARTS`.
     show: Sequence[str] | None = None
-    on_draw: Callable[[pymunk.Space, Any], object] | None = None
+    on_draw: Callable[[pymunk.Space, Draw], object] | None = None
     on_click: Callable[[pymunk.Space, pymunk.Vec2d, int], object] | None = None
 
 
@@ -70,6 +73,8 @@ class Scene:
 
     # What pictures and the page show of Pymunk's debug drawing; contacts are sent apart.
     drawn = DrawRecorder.DRAW_SHAPES | DrawRecorder.DRAW_CONSTRAINTS
+    # Words of `PARTS` that the page shows at first, unless the user chooses others.
+    shown: Sequence[str] = ()
 
     def __init__(self, space: pymunk.Space, settings: PlaySettings) -> None:
         self.space = space
@@ -94,6 +99,8 @@ class Scene:
         self._recorder = DrawRecorder()
         self._recorder.flags = self.drawn
         self._readings = Readings(space)
+        # What `on_draw` drew last.
+        self._drawing = Draw()
 
         controls = settings.controls
         self.pygame = next((each for each in controls if isinstance(each, PygameEvents)), None)
@@ -118,8 +125,34 @@ class Scene:
 
         It is that of `PlaySettings.view`, of pygame's window, or of what is drawn.
         """
-        field = self.settings.view or (self.pygame and self.pygame.field) or area(self.space)
-        self.field: dict[str, list[float]] = {"centre": list(field[:2]), "size": list(field[2:])}
+        view = self.settings.view or (self.pygame and self.pygame.view) or area(self.space)
+        self.view: dict[str, list[float]] = {"centre": list(view[:2]), "size": list(view[2:])}
+
+    def focus(self) -> list[float] | None:
+        """The point that the view follows, if it follows one."""
+        follow = self.settings.follow
+        if follow is None:
+            return None
+        found = follow(self.space)
+        try:
+            x, y = map(number, getattr(found, "position", found))
+        except (TypeError, ValueError):
+            x = y = math.nan
+        if math.isfinite(x + y):
+            return [x, y]
+        raise ParameterError("follow", found, f"a pymunk.Body or a point{_written_at(follow)}")
+
+    def picture(self) -> bytes:
+        """PNG of what the page shows at first, without texts."""
+        view = dict(self.view)
+        # The page shows an error of the user's function.
+        with suppress(Exception):
+            view["centre"] = self.focus() or view["centre"]
+        with suppress(Exception):
+            self.draw()
+        y_down = self.settings.y_down
+        more = self._drawing.calls
+        return still(self.space, view, y_down=y_down, flags=self.drawn, more=more)
 
     def advance(self) -> None:
         """Make a step; an error is raised if a body has no finite position after it."""
@@ -198,8 +231,15 @@ class Scene:
 
     def pointer(self, x: float, y: float, kind: str, button: int) -> None:
         """Pass the pointer to a pygame program, whose window has its origin at the upper left."""
-        down = y if self.settings.y_down else self.field["size"][1] - y
+        down = y if self.settings.y_down else self.view["size"][1] - y
         self.pygame_events().pointer(x, down, kind, button)
+
+    def click(self, x: float, y: float, button: int) -> None:
+        """Call the function for clicks."""
+        if self.settings.on_click is None:
+            raise ParameterError("message", "click", "an action that this scene has")
+        self.settings.on_click(self.space, pymunk.Vec2d(x, y), button)
+        self._wake()
 
     def pygame_events(self) -> PygameEvents:
         """The keys and the mouse of a pygame program; an error is raised in other scenes."""
@@ -215,7 +255,7 @@ class Scene:
 
         anchor = body.world_to_local(point)
         held = self._held = pymunk.PivotJoint(self._hand, body, (0, 0), anchor)
-        size = max(self.field["size"])
+        size = max(self.view["size"])
         acceleration = _HAND_ACCELERATION * max(1.0, size / _HAND_SIZE)
         held.max_force = acceleration * body.mass
         held.error_bias = _HAND_BIAS
@@ -301,19 +341,21 @@ class Scene:
         buttons = [name for name in self._pressed if name not in keys]
 
         unit_of = units(self.settings.units)
-        plots = {title: unit_of[kind] for title, kind in QUANTITIES.items()}
-        # The user's quantities have their units in their titles.
-        plots |= dict.fromkeys(self.settings.plots, "")
+        # The user's quantities come first, and have their units in their titles.
+        own = dict.fromkeys(self.settings.plots, "")
+        plots = own | {title: unit_of[kind] for title, kind in QUANTITIES.items()} | own
 
         return {
             "parameters": parameters,
             "buttons": buttons,
             "keys": ["*"] if self.pygame else keys,
+            "clicks": self.settings.on_click is not None,
             "dragon": None,
             "step": self.step_length,
             "y_down": self.settings.y_down,
             "units": self.settings.units,
-            "field": self.field,
+            "view": self.view,
+            "follows": self.settings.follow is not None,
             "unit_of": unit_of,
             "plots": list(plots.items()),
         }
@@ -334,11 +376,10 @@ class Scene:
         return np.array([(*body.position, body.angle) for body in self.space.bodies]).reshape(-1, 3)
 
     def plots(self) -> dict[str, float]:
-        """Quantities for charts: energy, momentum, and those of the user's."""
-        values = energies(self.space)
-        for title, plot in self.settings.plots.items():
-            values[title] = self._plotted(title, plot)
-        return values
+        """Quantities for charts: those of the user's, energy, and momentum."""
+        plots = self.settings.plots
+        own = {title: self._plotted(title, plot) for title, plot in plots.items()}
+        return own | energies(self.space) | own
 
     def _plotted(self, title: str, plot: Callable[[pymunk.Space], float]) -> float:
         """The value of a chart of the user's; an error names the chart."""
@@ -350,6 +391,18 @@ class Scene:
         if not isinstance(value, Real | np.bool_):
             raise ParameterError(f"the value of the chart {title!r}", value, "a number")
         return number(float(value) if isinstance(value, bool | np.bool_) else value)
+
+    def draw(self) -> None:
+        """Draw what the user's function draws on the next frame, up to an error in it."""
+        on_draw = self.settings.on_draw
+        if on_draw is None:
+            return
+        before = self._drawing.trails
+        self._drawing = Draw()
+        self._drawing.before = before
+        result = on_draw(self.space, self._drawing)
+        if result is not None:
+            raise ParameterError("the value of on_draw", result, f"None{_written_at(on_draw)}")
 
     def frame(self, header: Mapping[str, Any]) -> bytes:
         """The present state in the format of `in_binary`; `header` is the session's part of it."""
@@ -365,7 +418,14 @@ class Scene:
     def _parts(self) -> tuple[dict[str, Any], dict[str, Array]]:
         """Parts of the header and arrays of a frame."""
         self.space.debug_draw(self._recorder)
-        calls, colours = packed(self._recorder.calls, grip)
+        calls, colours = packed([*self._recorder.calls, *self._drawing.calls], grip)
         joints = self._readings.joints(self.joints())
         contacts = self._readings.contacts()
-        return {"colours": colours}, {"calls": calls, "joints": joints, "contacts": contacts}
+        header = {"colours": colours, "texts": self._drawing.texts}
+        return header, {"calls": calls, "joints": joints, "contacts": contacts}
+
+
+def _written_at(function: Callable[..., object]) -> str:
+    """Where a function of the user's is, in words; empty for a callable object."""
+    code = getattr(function, "__code__", None)
+    return f" ({Path(code.co_filename).name}, line {code.co_firstlineno})" if code else ""

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from inspect import Parameter, signature
+from inspect import Parameter, getdoc, isroutine, signature
 from typing import Any
 
 import pymunk
@@ -40,6 +40,8 @@ class SceneSource:
     saved_as: Mapping[str, Any] | None = None
     # Whether `build` changes a space of the user's, and does not build one.
     given: bool = False
+    # What the page shows at first, in place of `Scene.shown`.
+    show: Sequence[str] | None = None
 
 
 # The scenes of the command, in the order in which pages list them.
@@ -108,7 +110,14 @@ def space_scene(build: Callable[..., pymunk.Space], settings: PlaySettings) -> S
                 scene.set(name, value)
         return scene
 
-    return SceneSource(name="space", title="A space", text="Pull a body, cut a joint.", build=make)
+    title = settings.title or _heading(build)
+    return SceneSource(name="space", title=title, text="Pull a body, cut a joint.", build=make)
+
+
+def _heading(build: object) -> str:
+    """First line of the docstring of a function; classes and objects have others' docstrings."""
+    text = isroutine(build) and getdoc(build)
+    return text.partition("\n")[0].rstrip(".") if text else "A space"
 
 
 def _at_start(slider: Slider, arguments: Mapping[str, Parameter]) -> Slider:
@@ -151,6 +160,7 @@ def add(
         lesson=lesson,
         build=make,
         saved_as=saved_as,
+        show=["contacts"] if settings else None,
     )
     return build
 

@@ -15,7 +15,6 @@ from IPython.display import display
 from traitlets import Unicode
 
 from pymunk_dragon._language import language
-from pymunk_dragon.drawing.debug_draw import still
 from pymunk_dragon.sessions.client import PostedClient
 from pymunk_dragon.sessions.page import live_page
 from pymunk_dragon.sessions.session import Session
@@ -55,10 +54,8 @@ class LiveWidget(PostedClient, AnyWidget):
 
         The picture remains in the notebook.
         """
-        scene = self.session.scene
-        y_down = scene.settings.y_down
         with self.session.held:
-            content = still(scene.space, scene.field, y_down=y_down, flags=scene.drawn)
+            content = self.session.scene.picture()
         source = data_address(content, "image/png")
         picture = f'<img class="{self.still}" alt="A live session" src="{source}">'
         # The picture has an output of its own: JupyterLab shows nothing else of an output whose

@@ -110,7 +110,7 @@ def _draw_line(axes: Axes, x: Array, values: Array, labels: Sequence[str]) -> No
 def _draw_map(axes: Axes, x: Array, y: Array, values: Array, labels: Sequence[str]) -> Any:
     """Draw values over two axes as coloured cells, which are returned.
 
-    Lines separate cells of different labels.
+    Lines separate points of different labels.
     """
     from matplotlib.colors import LinearSegmentedColormap
 
@@ -130,13 +130,10 @@ def _draw_map(axes: Axes, x: Array, y: Array, values: Array, labels: Sequence[st
     sides = corners[0, :, 0]
     heights = corners[:, 0, 1]
 
-    line: dict[str, Any] = {"color": COLOURS.ink, "lw": 0.9, "gid": "jumps"}
-    differs = names[:, 1:] != names[:, :-1]
-    i, j = np.nonzero(differs)
-    axes.vlines(sides[j + 1], heights[i], heights[i + 1], **line)
-    differs = names[1:] != names[:-1]
-    i, j = np.nonzero(differs)
-    axes.hlines(heights[i + 1], sides[j], sides[j + 1], **line)
+    along = np.hstack([sides[0], across, sides[-1]])
+    upward = np.hstack([heights[0], up, heights[-1]])
+    for border in _borders(along, upward, np.pad(names, 1, mode="edge")):
+        axes.plot(*border, color=COLOURS.ink, lw=0.9, gid="jumps")
 
     for name in dict.fromkeys(labels):
         inside = np.array([label == name for label in labels])
@@ -144,6 +141,29 @@ def _draw_map(axes: Axes, x: Array, y: Array, values: Array, labels: Sequence[st
             middle = x[inside].mean(), y[inside].mean()
             axes.text(*middle, name, ha="center", va="center", path_effects=halo(), gid="name")
     return mesh
+
+
+def _borders(x: Array, y: Array, names: Any) -> list[Array]:
+    """Lines (2, 2) through the middles between neighbouring points with other names.
+
+    The points of a grid are at `x` and `y`, and have `names` (Y, X). Where more than two borders
+    meet between four points, they meet in the middle.
+    """
+    found = []
+    for i, j in np.ndindex(len(y) - 1, len(x) - 1):
+        # The corners of a cell between four points, and back to the first one.
+        rows = np.array([i, i, i + 1, i + 1, i])
+        columns = np.array([j, j + 1, j + 1, j, j])
+        around = names[rows, columns]
+        crossed = around[1:] != around[:-1]
+        corners = np.array([x[columns], y[rows]])
+        middles = (corners[:, 1:] + corners[:, :-1])[:, crossed] / 2
+        if crossed.sum() == 2:
+            found.append(middles)
+        else:
+            centre = corners[:, :4].mean(axis=1)
+            found += [np.transpose([middle, centre]) for middle in middles.T]
+    return found
 
 
 def _label(cells: Sequence[Any]) -> str:

@@ -73,10 +73,11 @@ interface RecordedMoment extends Moment<Recording, Poses & Rates> {
 
 interface LiveMoment extends Moment {
   calls: Call[];
+  texts: DrawnText[];
   joints: Joint[];
   cuts: number[];
   /** Points, normals and impulses of contacts. */
-  contacts: Float32Array;
+  contacts: Float64Array;
 }
 
 /** What a painter draws: a moment, and what the stage adds to it. */
@@ -198,6 +199,7 @@ interface Subject {
   widths: ArrayLike<number>;
   narrowest: number;
   up?: number;
+  free?: boolean;
 }
 
 /** Settings of a link; those that are missing or invalid are undefined. */
@@ -233,12 +235,17 @@ interface BenchNumbers {
   error: number | null;
 }
 
+/** Writes a value at an axis. */
+type Tick = (value: number) => string;
+
 interface ChartAxes {
   across: Numbers;
   up: Numbers;
   name?: string;
-  tick?: (value: number) => string;
+  tick?: Tick;
+  tickAcross?: Tick;
   apart?: number;
+  apartAcross?: number;
   margins?: { left: number; right: number; above: number; below: number };
 }
 

@@ -34,7 +34,8 @@ interface LiveScene {
   generation: number;
   role: string;
   dragon: LiveDragon | null;
-  field: Field;
+  view: Field;
+  follows: boolean;
   y_down: boolean;
   units: string;
   unit_of: Record<Kind | "impulse", string>;
@@ -42,11 +43,13 @@ interface LiveScene {
   plots: [string, string][];
   buttons: string[];
   keys: string[];
+  clicks: boolean;
   scenes: { name: string; title: string }[];
   step: number;
   given: boolean;
   replays: boolean;
   resets: boolean;
+  show: string[];
 }
 
 interface Obstacle {
@@ -99,6 +102,8 @@ interface Call extends Shape {
 interface LiveFrame {
   generation: number;
   time: number;
+  /** The point that the view follows. */
+  focus?: Point | null;
   clock: number;
   step: number;
   step_time: number;
@@ -106,16 +111,19 @@ interface LiveFrame {
   waits: boolean;
   held: [number, number, number, number] | null;
   touching: number[];
-  plots?: (number | null)[];
   sizes: Record<string, number>;
-  poses: Float32Array;
-  exact: Float32Array;
-  errors: Float32Array;
-  forces: Float32Array;
-  contacts: Float32Array;
-  joints: Float32Array;
+  poses: Float64Array;
+  exact: Float64Array;
+  errors: Float64Array;
+  forces: Float64Array;
+  contacts: Float64Array;
+  joints: Float64Array;
   calls: Call[];
+  texts?: DrawnText[];
 }
+
+/** A text that a program draws: x, y, the text, its size in pixels; red, green, blue, alpha. */
+type DrawnText = [number, number, string, number, [number, number, number, number]];
 
 interface Effort {
   number: number;

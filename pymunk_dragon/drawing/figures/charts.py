@@ -44,6 +44,14 @@ if TYPE_CHECKING:
 
 # m: lower end of the scale of gaps.
 _MIN_GAP = 1.5e-4
+# Pixels: twice the width at which two or three pictures fit side by side.
+_STILL_WIDTH = 880
+# Height of the texts of a still picture over its width.
+_TEXTS = 0.12
+# A legend without a frame.
+_BARE: dict[str, Any] = {"frameon": False, "borderpad": 0.2}
+# Length of the largest arrow of a velocity over the width of the path.
+_ARROW = 0.16
 # Head lengths travelled: the part of a march before its contact, or its end, that `gap` shows.
 _GAP_LENGTHS = 4.5
 
@@ -105,24 +113,34 @@ def _trajectories(source: FigureSource) -> Figure:
     title = text("All handles walk the same path, one behind the other")
     subtitle = text("from {:g} s to {}; the path is {:.3g} m wide and {:.3g} m high")
     extent = np.ptp(whole, axis=0)
-    # The legend has a cell too.
-    rows = -(-(len(handles) + 1) // 4)
-    figure, grid = slide(title, subtitle.format(source.begin, source.end, *extent), rows, 4)
+    figure, (seen, over) = slide(title, subtitle.format(source.begin, source.end, *extent), 1, 2)
 
-    cells = grid.ravel()
-    for axes in cells:
-        axes.set_aspect("equal")
-        axes.margins(0.04)
-        axes.set_axis_off()
-    hollow = {"color": COLOURS.ink, "mfc": COLOURS.background, "ms": 6}
-    for axes, handle in zip(cells, handles, strict=False):
+    seen.plot(*whole.T, color=PALE, lw=0.8)
+    hollow = {"color": COLOURS.ink, "mfc": COLOURS.background, "ms": 6, "zorder": 4}
+    number: dict[str, Any] = {"ha": "center", "va": "center", "size": 9, "zorder": 5}
+    for handle in handles:
         path = source.path(first[handle], last[handle], 900)
-        axes.plot(*whole.T, color=PALE, lw=0.4)
-        axes.plot(*path.T, color=BLUE, lw=1.0, gid=f"path-{handle}")
-        start = axes.plot(*path[0], "o", label=text("at the start"), **hollow)
-        stop = axes.plot(*path[-1], "o", color=COLOURS.ink, ms=6, label=text("at the end"))
-        axes.set_title(text("handle {}").format(handle), size=11.5, pad=3)
-    cells[len(handles)].legend(handles=start + stop, loc="center", frameon=False)
+        seen.plot(*path.T, color=BLUE, lw=0.6, gid=f"path-{handle}")
+        start = seen.plot(*path[0], "o", label=text("at the start"), **hollow)
+        stop = seen.plot(*path[-1], "o", color=COLOURS.ink, ms=6, label=text("at the end"))
+        for end in (path[0], path[-1]):
+            place = {"xytext": (0, 12), "textcoords": "offset points"}
+            seen.annotate(str(handle), end, path_effects=halo(), **place, **number)
+    plan(seen)
+    seen.legend(handles=start + stop, loc="lower left", bbox_to_anchor=(0, 1), ncols=2, **_BARE)
+
+    times = np.linspace(source.begin, source.hit.time, 400)
+    places = source.march.at(times).positions[:, list(handles)]
+    for handle, radius in zip(handles, np.hypot(*np.moveaxis(places, -1, 0)).T, strict=True):
+        name = text("handle {}").format(handle)
+        over.plot(times, radius, lw=1.8, label=name, gid=f"radius-{handle}")
+    # The outermost first, as the lines are.
+    over.legend(reverse=True, **BESIDE)
+    over.set(
+        xlim=(times[0], times[-1]),
+        xlabel=text("time (s)"),
+        ylabel=text("distance from the centre (m)"),
+    )
     return figure
 
 
@@ -135,6 +153,8 @@ def _velocities(source: FigureSource) -> Figure:
     figure, axes = slide(title, text("each handle walks along the curve"))
     path = source.path(states.handles_s[0, -1], states.handles_s[0, 0])
     axes.plot(*path.T, color=PALE, lw=0.8)
+    for outline in source.march.dragon.outlines(states.poses[0]):
+        axes.fill(*outline.T, fc=SHARED, ec=PALE, lw=0.4, zorder=1)
 
     points = states.positions[0, handles]
     velocities = states.velocities[0, handles]
@@ -147,7 +167,9 @@ def _velocities(source: FigureSource) -> Figure:
         # The number is behind the handle.
         number["xytext"] = -18 * velocity / speed
         axes.annotate(str(handle), point, path_effects=halo(), **number)
-    arrows = {"angles": "xy", "color": COLOURS.motion, "width": 0.006, "zorder": 3}
+    arrows: dict[str, Any] = {"angles": "xy", "color": COLOURS.motion, "width": 0.007, "zorder": 3}
+    longest = _ARROW * np.ptp(path, axis=0).max()
+    arrows |= {"scale_units": "xy", "scale": float(speeds.max()) / longest}
     axes.quiver(*points.T, *velocities.T, gid="velocities", **arrows)
     plan(axes)
     axes.legend(**BESIDE)
@@ -246,9 +268,12 @@ def _collision(source: FigureSource) -> tuple[Run, Film]:
 
 def _still(source: FigureSource, time: float, title: str) -> tuple[Run, Film]:
     """Run of one frame, and film with a title that has the number of benches."""
-    # Pixels: twice the width at which two or three pictures fit side by side.
-    film = Film(size=880, title=title.format(source.march.dragon.benches))
-    return Run.exact(source.march, [time]), film
+    run = Run.exact(source.march, [time])
+    width, height = np.ptp(source.march.dragon.outlines(run.poses[0]), axis=(0, 1)).tolist()
+    # A lying dragon needs no square, but texts some room.
+    flat = round(_STILL_WIDTH * min(1.0, height / width + _TEXTS))
+    film = Film(size=(_STILL_WIDTH, flat), title=title.format(source.march.dragon.benches))
+    return run, film
 
 
 def _gap(source: FigureSource) -> Figure:

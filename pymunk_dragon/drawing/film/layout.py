@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from itertools import accumulate
 
 import numpy as np
@@ -12,8 +13,10 @@ from PIL import Image, ImageDraw
 from pymunk_dragon._arrays import Array
 from pymunk_dragon._language import text
 from pymunk_dragon.drawing import lettering
+from pymunk_dragon.drawing.camera import Camera
 from pymunk_dragon.drawing.film.settings import Film
 from pymunk_dragon.drawing.film.take import Take
+from pymunk_dragon.drawing.film.timing import cut_time
 from pymunk_dragon.drawing.marks import check_overlays
 from pymunk_dragon.drawing.palette import COLOURS, colour_table
 from pymunk_dragon.drawing.scene import Scene, text_height
@@ -59,7 +62,15 @@ class Layout:
         sampled = np.linspace(times[0], times[-1], min(_SAMPLES, len(times)))
         samples = [list(take.at(sampled)) for take in takes]
         self._times = times
+        self._fps = film.fps
         self.scenes = _scenes(takes, samples, times, film)
+        # Scenes before the cut, and its time.
+        self._before = self.scenes
+        self._cut = -math.inf
+        if film.camera.follow == "cut":
+            whole = replace(film, camera=Camera())
+            self._before = _scenes(takes, samples, times, whole)
+            self._cut = cut_time(takes)
 
         headings = _headings(takes, film)
         texts = film.texts(headings)
@@ -70,9 +81,10 @@ class Layout:
             lines = [lettering.line(heading, letters) for heading in headings]
             cells = [_row([line], width + _GUTTER) for line in lines]
             above.append(_row(cells, total))
-        has_legend = film.legend and total >= _LEGEND_WIDTH
-        below = _legend(self.scenes, samples, total, letters) if has_legend else []
-        below += lettering.wrapped(film.caption, letters, total)
+        below = lettering.wrapped(film.caption, letters, total)
+        if film.legend and total >= _LEGEND_WIDTH:
+            one = self._before is self.scenes
+            below = [*_legend(self._before, samples, total, letters, has_one_scale=one), *below]
 
         # What the scenes leave free is the line between them.
         middle = Image.new("RGB", (total, height), COLOURS.curve)
@@ -92,11 +104,15 @@ class Layout:
     def frames(self) -> Iterator[Image.Image]:
         """Draw the frames (mode RGB)."""
         states = [scene.source.at(self._times) for scene in self.scenes]
-        for shown in zip(*states, strict=True):
+        # Simulated time in a second of film; the last frame stays, and a still has no speed.
+        rates = (self._fps * np.diff(self._times)).tolist()
+        rates += rates[-1:] or [None]
+        for rate, *shown in zip(rates, *states, strict=True):
             frame = self._frame.copy()
-            for scene, (time, poses), left in zip(self.scenes, shown, self._lefts, strict=True):
+            scenes = self._before if shown[0][0] < self._cut else self.scenes
+            for scene, (time, poses), left in zip(scenes, shown, self._lefts, strict=True):
                 # No name for the picture: it would keep its memory while the next one is drawn.
-                frame.paste(scene.draw(time, poses), (left, self._top))
+                frame.paste(scene.draw(time, poses, rate), (left, self._top))
             yield frame
 
     def pictures(self, progress: Callable[[int, int], None] | None) -> Iterator[Image.Image]:
@@ -115,7 +131,7 @@ def _scenes(
     """Scene of each take. A march beside its run shows the position errors of the run."""
     scenes = []
     centre, span = _field(takes, samples, film)
-    follow = film.camera.follow
+    follow = "field" if film.camera.follow == "field" else "head"
     for take in takes:
         check_overlays(film.show, take)
         run = take.run or take.beside
@@ -154,7 +170,7 @@ def _field(
 ) -> tuple[tuple[float, float], float]:
     """Centre, m, and width, m, of the ground in view, with two lines free for texts."""
     given = film.camera.span
-    if film.camera.follow == "head":
+    if film.camera.follow != "field":
         widest = max(float(take.march.dragon.widths[0]) for take in takes)
         return (0.0, 0.0), given or _HEAD_SPAN * widest
 
@@ -207,9 +223,14 @@ def _row(parts: Sequence[Image.Image], width: int) -> Image.Image:
 
 
 def _legend(
-    scenes: Sequence[Scene], samples: Sequence[_Samples], width: int, letters: int
+    scenes: Sequence[Scene],
+    samples: Sequence[_Samples],
+    width: int,
+    letters: int,
+    *,
+    has_one_scale: bool,
 ) -> list[Image.Image]:
-    """Lines of a legend of what is in view, and a scale bar."""
+    """Lines of a legend of what is in view, and a scale bar where all frames have one scale."""
     names = {
         "head": text("head"),
         "body": text("body"),
@@ -227,13 +248,8 @@ def _legend(
             name = text("position error x {factor:,.0f}").format(factor=scene.factor)
             entries.append(_entry(COLOURS.motion, letters, 1, name, letters))
 
-    # The scale bar is 1, 2 or 5 times a power of ten long, m.
-    longest = _MAX_SCALE_BAR * scenes[0].span
-    power = 10.0 ** math.floor(math.log10(longest))
-    most = longest * (1 + 1e-9)
-    metres = power * max(step for step in (1, 2, 5) if step * power <= most)
-    length = round(metres * scenes[0].scale)
-    entries.append(_entry(COLOURS.ink, length, 1, f"{metres:g} m", letters))
+    if has_one_scale:
+        entries.append(_scale_bar(scenes[0], letters))
 
     lines = list[list[Image.Image]]([[]])
     left = 0
@@ -244,6 +260,15 @@ def _legend(
         lines[-1].append(entry)
         left += entry.width
     return [_row(line, width) for line in lines]
+
+
+def _scale_bar(scene: Scene, letters: int) -> Image.Image:
+    """Entry with a scale bar, which is 1, 2 or 5 times a power of ten long, m."""
+    longest = _MAX_SCALE_BAR * scene.span
+    power = 10.0 ** math.floor(math.log10(longest))
+    most = longest * (1 + 1e-9)
+    metres = power * max(step for step in (1, 2, 5) if step * power <= most)
+    return _entry(COLOURS.ink, round(metres * scene.scale), 1, f"{metres:g} m", letters)
 
 
 def _entry(colour: str, width: int, height: int, name: str, letters: int) -> Image.Image:

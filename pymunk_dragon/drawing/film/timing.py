@@ -24,7 +24,7 @@ from pymunk_dragon.errors import ParameterError
 # m. From half a spacing on, a bench is nearer to the previous position of the next bench than to
 # its own: the dragon creeps backwards. If the camera follows the head, 0.17 m, because the ground
 # moves through a view of about 6 m.
-_ADVANCE = {"field": 0.4, "head": 0.1}
+_ADVANCE = {"field": 0.4, "head": 0.1, "cut": 0.4}
 # s: length of a film whose start is chosen, without the hold of its last frame: 170 frames, or a
 # GIF of 3.7 MB.
 _CHOSEN_LENGTH = 8.5
@@ -42,6 +42,8 @@ _NEAR_MISS_TIME = 1.0
 _CONTACT_TIME = 2.0
 # Half of the width of an event, in shortest spacings travelled: 0.7 m.
 _EVENT_WIDTH = 0.45
+# Half widths of an event before it, at which a camera cuts to the head: the film is still fast.
+_CUT_BEFORE = 6.0
 # Frames: a quarter of an hour. A larger number is taken for a typing error.
 _MAX_FRAMES = 20_000
 # Points at which the time of the film is computed. Between them it is linear.
@@ -94,6 +96,12 @@ def frame_times(takes: Sequence[Take], film: Film) -> Timing:
         raise ParameterError("speedup", film.speedup, bound)
     times = np.minimum(start + step * np.arange(count + 1), until)
     return Timing(times, film.fps, film.hold)
+
+
+def cut_time(takes: Sequence[Take]) -> float:
+    """Time, s, at which a camera cuts from the field to the head; inf if nothing is near."""
+    events = _events_of(takes)
+    return events[0].time - _CUT_BEFORE * events[0].width if events else math.inf
 
 
 def _slowed(takes: Sequence[Take], film: Film) -> Array:

@@ -68,7 +68,7 @@ function range(from, to, count) {
 const lastOf = (items) => items[items.length - 1];
 
 // Rows of an array of numbers, as arrays.
-/** @param {Float32Array | Float64Array} numbers @param {number} size */
+/** @param {Float64Array} numbers @param {number} size */
 function* rowsOf(numbers, size) {
   for (let k = 0; k < numbers.length; k += size) yield numbers.subarray(k, k + size);
 }

@@ -91,7 +91,7 @@ class Connection {
   }
 }
 
-// ---- binary frames: the length of a JSON header, the header, and arrays of 32-bit numbers
+// ---- binary frames: the length of a JSON header, the header, and arrays of 64-bit numbers
 
 // Numbers of a contact: point, normal, impulse; less than 0 without an arrow.
 const CONTACT_SIZE = 5;
@@ -115,7 +115,7 @@ function decodeFrame(buffer) {
   };
   let offset = 4 + length;
   for (const [name, size] of Object.entries(header.sizes)) {
-    frame[name] = new Float32Array(buffer, offset, size);
+    frame[name] = new Float64Array(buffer, offset, size);
     offset += frame[name].byteLength;
   }
   frame.calls = callsOf(frame);
@@ -124,7 +124,7 @@ function decodeFrame(buffer) {
 
 // What Pymunk draws, as objects: kind, points, radius, angle, colours, and the grip of a hand: 2 if
 // it can hold the body, 1 where it finds nothing else (a body of sensors only), 0 if it cannot.
-/** @type {(frame: { calls: Float32Array, colours?: number[][] }) => Call[]} */
+/** @type {(frame: { calls: Float64Array, colours?: number[][] }) => Call[]} */
 function callsOf({ calls, colours = [] }) {
   const texts = colours.map(([r, g, b, a]) => `rgba(${r}, ${g}, ${b}, ${a / 255})`);
   /** @type {Call[]} */
@@ -153,5 +153,5 @@ function callsOf({ calls, colours = [] }) {
 
 const KINDS = ["circle", "segment", "polygon", "line", "dot"];
 
-/** @type {(packed: Float32Array) => Poses} */
+/** @type {(packed: Float64Array) => Poses} */
 const posesOf = (packed) => posesFrom(packed.length / 3, (i) => packed.subarray(3 * i, 3 * i + 3));

@@ -152,11 +152,5 @@ function drawScaleBar(painter, above) {
   for (const corner of corners) path.lineTo(...corner);
   strokeTwice(context, path, colours.background, colours.text, 1.5);
   painter.setFont("11px", "left", "alphabetic");
-  const { units } = painter.model;
-  const short = units === "m" && length < 1;
-  painter.drawText(
-    short ? `${Number((1000 * length).toPrecision(1))} mm` : `${length} ${units}`,
-    right + 6,
-    y,
-  );
+  painter.drawText(roundLength(length, painter.model.units), right + 6, y);
 }

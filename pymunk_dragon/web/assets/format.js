@@ -23,6 +23,24 @@ function formatLength(metres, error) {
   return `${length.toFixed(Math.min(significant, decimals(1000 * error)))} mm`;
 }
 
+// Units of length and their sizes in m, the largest first.
+/** @type {[string, number][]} */
+const LENGTHS = [
+  ["km", 1e3],
+  ["m", 1],
+  ["mm", 1e-3],
+  ["μm", 1e-6],
+  ["nm", 1e-9],
+];
+
+// A length of any size with few digits, in a unit that fits.
+/** @type {(length: number, units: string) => string} */
+function roundLength(length, units) {
+  const known = units === "m" ? LENGTHS : [];
+  const [unit, size] = known.find((each) => length >= each[1]) ?? [units, 1];
+  return `${Number((length / size).toPrecision(LENGTH_DIGITS))} ${unit}`;
+}
+
 // A position error in m with an error in m: in micrometres
 // if it is small and known to a micrometre.
 /** @type {(metres: number, error: number) => string} */

@@ -6,7 +6,8 @@ const EDGE = 14; // pixels between tools or buttons and the edge of the canvas
 const SCALE_BAR_ROOM = 24; // pixels at the lower border that the fitted view leaves free
 const BUILDING_AFTER = 100; // ms
 const ANNOUNCE_EVERY = 1500; // ms: events in between are not announced to screen readers
-const SHOWN_OF_SCENE = ["curve", "exact", "contacts"];
+/** @type {Record<string, string>} */
+const WORDS = { labels: "numbers" }; // of switches, in Python, where these differ
 /** @type {DrawnModel} */
 const NO_MODEL = /** @type {any} */ ({
   field: { centre: [0, 0], size: [1, 1] },
@@ -25,6 +26,7 @@ const LIVE_LAYERS = [
   drawNumbers,
   drawCuts,
   drawImpulses,
+  drawTexts,
   drawHeld,
   drawTarget,
   drawAim,
@@ -34,7 +36,7 @@ const LIVE_LAYERS = [
 /** @extends {Stage<LivePicture>} */
 class Live extends Stage {
   constructor() {
-    super(NO_MODEL, LIVE_LAYERS, LIVE_SWITCHES, SHOWN_OF_SCENE);
+    super(NO_MODEL, LIVE_LAYERS, LIVE_SWITCHES, []);
     /** @type {LiveScene} */
     this.scene = NOTHING_YET;
     /** @type {LiveState} */
@@ -51,8 +53,8 @@ class Live extends Stage {
     this.first = []; // those of the scene as it began
     this.scales = new Scales();
     this.rateKind = ""; // what the rate was measured of
-    /** @type { { clock: number, time: number }[]} */
-    this.ticks = []; // the session's clock and the simulated time in the last second
+    /** @type { { clock: number, time: number, step: number, step_time: number }[]} */
+    this.ticks = []; // of the frames in the last second
     this.aims = false; // whether keys have the field
     this.errorTimer = 0;
     this.buildingTimer = 0;
@@ -62,8 +64,11 @@ class Live extends Stage {
     this.sliders = new Sliders(element("parameters"), (message) => this.send(message));
     this.tools = new Tools(this);
     this.recorder = new Recorder(this);
+    // Whether what there is now is to be shown, and not the first view; and whether it has been.
+    this.fits = false;
+    this.fitted = false;
     this.drawn = 0;
-    // Keys of the scene that are down: codes, and the names that were sent.
+    // Keys of the scene that are down: what holds each, and the names that were sent.
     /** @type {Map<string, string>} */
     this.pressed = new Map();
     this.announce = throttled((text) => setText("announcement", text), ANNOUNCE_EVERY);
@@ -102,6 +107,7 @@ class Live extends Stage {
     if (message.kind === "scene") this.setScene(message);
     if (message.kind === "state") this.setState(message);
     if (message.kind === "event") this.addEvent(message);
+    if (message.kind === "plots") this.charts.addValues(message);
     if (message.kind === "error") this.showError(message);
   }
 
@@ -124,6 +130,7 @@ class Live extends Stage {
     this.cachedMoment = null;
     this.model = new Model(scene);
     this.view.setSubject(this.model);
+    this.fitted = false;
     this.painter.model = this.model;
     this.scales = new Scales();
     this.charts.setModel(this.model);
@@ -133,7 +140,11 @@ class Live extends Stage {
     if (!same) {
       this.first = scene.parameters;
       this.setFollow("field");
-      for (const name of LIVE_SWITCHES) this.shown[name] = SHOWN_OF_SCENE.includes(name);
+      this.fits = false;
+      if (scene.follows) this.beginToFollow();
+      for (const name of LIVE_SWITCHES) {
+        this.shown[name] = scene.show.includes(WORDS[name] ?? name);
+      }
       setText("announcement", translated(scene.title));
     }
     showScene(this);
@@ -237,7 +248,10 @@ class Live extends Stage {
     if (!this.drawn) this.clear(); // A new canvas is black.
     if (!frame || !state) return;
     this.leaveRoom();
-    this.followSubject(this.moment.benches.poses);
+    if (this.fits && !this.fitted) this.view.field = this.model.wholeField(frame);
+    this.fitted = true;
+    const { x, y } = this.moment.benches.poses;
+    this.followSubject(this.scene.follows ? frame.focus : [x[0], y[0]]);
     this.aims = this.pixel === null && element("field").matches(":focus-visible");
     tools.flush();
     this.scales.include(this.moment, now);
@@ -263,6 +277,28 @@ class Live extends Stage {
     this.view.top = element("toolbox").offsetHeight + EDGE;
     this.view.right = height > width ? width + EDGE : 0;
     this.view.bottom = height > width ? SCALE_BAR_ROOM : height + EDGE;
+  }
+
+  /** @type {(subject: string | null) => void} */
+  setFollow(subject) {
+    this.fits = subject === "field";
+    this.fitted = false;
+    super.setFollow(subject);
+  }
+
+  // Follow what a program follows, in a view of the size in which its scene begins.
+  beginToFollow() {
+    this.resize();
+    this.leaveRoom();
+    this.view.fit();
+    this.setFollow("head");
+  }
+
+  // A body is followed until the view is moved, also while it is zoomed.
+  /** @type {(how: string) => void} */
+  viewMoved(how) {
+    if (this.scene?.follows && this.follow === "head" && how !== "pan") this.afterChange();
+    else super.viewMoved(how);
   }
 
   // The switches that are on and make sense for the scene.

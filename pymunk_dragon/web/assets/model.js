@@ -7,19 +7,17 @@ const NOTHING_YET = /** @type {any} */ (null);
 class Model {
   /** @param {LiveScene} scene */
   constructor(scene) {
-    const { dragon, field } = scene;
+    const { dragon, view } = scene;
     this.scene = scene;
-    this.field = field;
+    this.field = view;
+    this.free = !dragon;
     this.benches = dragon ? dragon.lengths.length : 0;
     /** @type {number[]} */
     this.lengths = dragon?.lengths ?? [];
     /** @type {number[]} */
     this.spacings = dragon?.spacings ?? [];
-    const side = Math.min(...field.size);
-    this.widths = dragon?.widths ?? [side / 20];
-    this.narrowest = dragon
-      ? Math.min(...this.widths)
-      : Math.max(side, Math.max(...field.size) / 10) / 50;
+    this.widths = dragon?.widths ?? [];
+    this.narrowest = Math.min(...this.widths);
     this.up = scene.y_down ? -1 : 1;
     this.hole = dragon?.hole ?? 0;
     /** @type {number[]} */
@@ -39,15 +37,15 @@ class Model {
     const dragon = this.benches > 0;
     /** @type {Record<string, boolean>} */
     const found = { dancers: dragon, contacts: dragon, exact: dragon, until_contact: !dragon };
-    return { ...found, pointer: this.scene.keys.includes("*") }[ability ?? ""] ?? true;
+    const pointer = this.scene.keys.includes("*");
+    const { clicks } = this.scene;
+    return { ...found, pointer, clicks, program: pointer || clicks }[ability ?? ""] ?? true;
   }
 
   // A length as text.
   /** @type {(value: number) => string} */
   lengthText(value) {
-    return this.units === "m"
-      ? formatLength(value, 0)
-      : `${Number(value.toPrecision(3))} ${this.units}`;
+    return this.benches ? formatLength(value, 0) : roundLength(value, this.units);
   }
 
   // The force or torque in a joint as text.
@@ -60,6 +58,13 @@ class Model {
     return `${numberText(effort)} ${this.unitOf[kind]}`;
   }
 
+  // The area that "whole field" shows: a dragon's own or a window, and otherwise what there is now.
+  /** @type {(frame: LiveFrame) => Field} */
+  wholeField({ calls }) {
+    const fixed = this.benches > 0 || this.can("pointer");
+    return (fixed ? null : extentOf(calls)) ?? this.field;
+  }
+
   // What there is to see in a frame; exact benches not included.
   /** @type {(frame: LiveFrame, state: LiveState) => LiveMoment} */
   momentOf(frame, state) {
@@ -70,6 +75,7 @@ class Model {
       inContact: new Set(frame.touching),
       freeFrom: state.free_from,
       calls: this.benches ? state.obstacles.map(obstacleCall) : frame.calls,
+      texts: frame.texts ?? [],
       joints: this.joints(frame, benches, state.cuts),
       cuts: state.cuts,
       contacts: frame.contacts,

@@ -75,7 +75,7 @@ class Player extends Stage {
     this.resize();
     this.timeline.reveal(time);
     this.timeline.draw(this);
-    this.followSubject(benches.poses);
+    this.followSubject([benches.poses.x[0], benches.poses.y[0]]);
 
     const hovered = this.pixel && bodyAt(this.view.toWorld(...this.pixel), 0, moment)?.bench;
     const pointed = hovered ?? this.selected;

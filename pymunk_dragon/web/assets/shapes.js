@@ -92,8 +92,7 @@ function drawCalls({ context, view }, { calls }) {
 function addCall(path, view, { kind, points, radius, angle }) {
   const corners = points.map((point) => view.toScreen(...point));
   if (kind === "line") {
-    path.moveTo(...corners[0]);
-    path.lineTo(...corners[1]);
+    corners.forEach((corner, i) => path[i ? "lineTo" : "moveTo"](...corner));
     return;
   }
   const distance = Math.max(radius * view.scale, kind === "segment" ? 0.5 : 0);

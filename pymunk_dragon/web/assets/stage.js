@@ -20,7 +20,7 @@ class Stage extends Surface {
     this.view = new View(model);
     this.painter = new Painter(this, this.view, model, layers);
     /** @type {string | null} */
-    this.follow = "field"; // or "head", or null for a fixed view
+    this.follow = "field"; // or "head", also of what a program follows, or null for a fixed view
     /** @type {Record<string, boolean>} */
     this.shown = Object.fromEntries(switches.map((name) => [name, shown.includes(name)]));
     /** @type {Point | null} */
@@ -33,11 +33,11 @@ class Stage extends Surface {
     this.view.height = this.height;
   }
 
-  // Before drawing: what the view follows.
-  /** @type {(poses: Poses) => void} */
-  followSubject({ x, y }) {
+  // Before drawing: what the view follows, and where that is.
+  /** @type {(point: Point | null | undefined) => void} */
+  followSubject(point) {
     if (this.follow === "field") this.view.fit();
-    if (this.follow === "head") [this.view.x, this.view.y] = [x[0], y[0]];
+    if (this.follow === "head" && point) [this.view.x, this.view.y] = point;
   }
 
   /** @type {(subject: string | null) => void} */

@@ -4,6 +4,7 @@
 // pixels: a near miss of the reference scenario is then some 60 pixels wide.
 const WIDEST_BENCH = 20000;
 const SMALLEST = 0.2; // smallest scale relative to that of the fitted view
+const LARGEST_SCALE = 1e30; // pixels per m: a canvas has single precision, which ends at 3e38
 const BORDER = 0.04; // border of the fitted view as a fraction of its size
 
 class View {
@@ -16,15 +17,19 @@ class View {
     this.up = 1;
     this.headSpan = 1; // m
     this.maxScale = 1; // pixels per m
+    this.free = false;
     this.field = subject.field;
     this.setSubject(subject);
   }
 
   // What is seen: the area of the field {centre, size}, and the widths of the benches, all in m.
+  // A `free` view has no benches, and may be anywhere and of any size.
   /** @type {(subject: Subject) => void} */
-  setSubject({ field, widths, narrowest, up = 1 }) {
+  setSubject({ field, widths, narrowest, up = 1, free = false }) {
     this.field = field;
-    this.headSpan = 20 * widths[0]; // m: the head and three turns around it
+    this.free = free;
+    // m: the head and three turns around it; a free view keeps its size.
+    this.headSpan = free ? Infinity : 20 * widths[0];
     this.maxScale = WIDEST_BENCH / narrowest;
     this.up = up;
   }
@@ -47,6 +52,7 @@ class View {
 
   /** @type {(scale: number) => number} */
   bounded(scale) {
+    if (this.free) return Math.min(Math.max(scale, 1 / LARGEST_SCALE), LARGEST_SCALE);
     return Math.min(
       Math.max(scale, SMALLEST * Math.min(this.fittingScale, this.maxScale)),
       this.maxScale,
@@ -55,7 +61,7 @@ class View {
 
   fit() {
     [this.x, this.y] = this.field.centre;
-    this.scale = Math.min(this.fittingScale, this.maxScale);
+    this.scale = this.bounded(this.fittingScale);
     this.x += this.right / 2 / this.scale;
     this.y += (this.up * (this.top - this.bottom)) / 2 / this.scale;
   }
@@ -86,13 +92,13 @@ class View {
     this.y += y - newY;
   }
 
-  // Move the view by pixels, within the size of the field around its centre.
+  // Move the view by pixels, unless it is free within the size of the field around its centre.
   /** @type {(dx: number, dy: number) => void} */
   pan(dx, dy) {
     const { centre, size } = this.field;
     /** @type {(value: number, axis: number) => number} */
     const within = (value, axis) =>
-      Math.min(Math.max(value, centre[axis] - size[axis]), centre[axis] + size[axis]);
+      this.free ? value : bounded(value, centre[axis] - size[axis], centre[axis] + size[axis]);
     this.x = within(this.x - dx / this.scale, 0);
     this.y = within(this.y + (this.up * dy) / this.scale, 1);
   }
