@@ -442,6 +442,7 @@ CALLS = {
             "folder": ("new", "text path"),
             "include": ([], "texts empty"),
             "runtime": (".", "text path none"),
+            "address": (None, "text none"),
         },
     ),
     "publish_site": (
@@ -449,6 +450,7 @@ CALLS = {
         {
             "folder": ("new", "text path"),
             "runtime": (".", "text path"),
+            "address": (None, "text none"),
             "progress": (FUNCTION, "function"),
         },
     ),
