@@ -39,13 +39,13 @@ def save_in_chinese_too() -> None:
     def save_twice(figure: Figure, name: Any, **options: Any) -> None:
         save(figure, name, **options)
         for each in figure.findobj(Text):
-            if isinstance(each, Text) and (found := chinese(each.get_text(), labels)):
+            if found := chinese(each.get_text(), labels):
                 each.set_text(found)
                 font = FontProperties(fname=str(chinese_font()), size=each.get_fontsize())
                 each.set_fontproperties(font)
         save(figure, Path(name).with_suffix(".zh.png"), **options)
 
-    Figure.savefig = save_twice  # type: ignore[method-assign]
+    Figure.savefig = save_twice  # type: ignore[assignment, method-assign]
 
 
 if __name__ == "__main__":
