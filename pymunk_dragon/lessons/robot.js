@@ -126,10 +126,8 @@ stages.robot = (lab) => {
     1,
     () => ({ x: -0.6, y: 0, size: 1.9, wide: 2.9 }),
     (pane) => {
-      if (!comesIn)
-        pane.text([-0.6, -0.85], lab.say(["draw a new path here", "在这里画一条新路线"]), {
-          colour: "quiet",
-        });
+      const words = lab.say(["draw a new path here", "在这里画一条新路线"]);
+      if (!comesIn) pane.text([-0.6, -0.85], words, { colour: "quiet" });
       pane.line(drawn ?? curvePoints(path, 0, path.end, 0.01), { colour: "curve", width: 2 });
       if (drawn || Number.isNaN(begin)) return;
       /** @type {(i: number) => string} */

@@ -61,8 +61,15 @@ def first(space: pymunk.Space) -> float:
     return impulse / (space.current_time_step or STEP)
 
 
+def pull(space: pymunk.Space, force: float) -> None:
+    """Live, from now on a hand pulls the last bench back with a force, N."""
+    vars(space)["pull"] = force
+
+
 def follow(space: pymunk.Space, time: float) -> None:
-    """Live, the benches are seen by somebody who walks beside the head."""
+    """Live, the hand pulls, and the benches are seen by somebody who walks beside the head."""
+    *_, last = space.bodies
+    last.force -= (vars(space).get("pull", 0), 0)
     for body in space.bodies:
         body.position -= (space.current_time_step, 0)
 
@@ -70,6 +77,7 @@ def follow(space: pymunk.Space, time: float) -> None:
 sliders = [
     Slider("benches", 2, 24, label="Benches", rebuilds=True),
     Slider("dancers", 0, 24, label="Dancers", rebuilds=True),
+    Slider("pull", 0, 200, 0, label="Pull at the last bench", unit="N", action=pull),
 ]
 # With longer steps, the engine tears the chain apart.
 sliders.append(Slider("step", 1, 50, label="Time step", unit="ms", logarithmic=True))
