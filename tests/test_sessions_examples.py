@@ -7,6 +7,7 @@ import math
 import re
 import runpy
 import sys
+from itertools import pairwise
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -80,10 +81,26 @@ def spaces(monkeypatch):
     return found
 
 
+def single(call):
+    """A call, or the parts of a spring, which is one line of several parts."""
+    parts = pairwise(call[1]) if call[0] == "line" else [call[1]]
+    return [(call[0], part, *call[2:]) for part in parts]
+
+
+def in_order(calls):
+    """Calls of shapes in their order, then those of joints, which all have one colour, in any."""
+    shapes = [call for call in calls if call[0] not in ("line", "dot")]
+    joints = [call for call in calls if call[0] in ("line", "dot")]
+    rounded = [(call[0], np.round(call[1], 3).tolist()) for call in joints]
+    return shapes + [joints[i] for i in sorted(range(len(joints)), key=lambda i: rounded[i])]
+
+
 def assert_drawn_alike(scene, name):
     reference = Drawn()
     scene.space.debug_draw(reference)
+    reference.found = in_order(reference.found)
     calls, frame = drawn_in(scene)
+    calls = in_order([part for call in calls for part in single(call)])
     contacts = len(frame.contacts)
     assert len(calls) == len(reference.found), name
     for call, expected in zip(calls, reference.found, strict=True):
@@ -111,6 +128,28 @@ def test_page_gets_what_pymunk_draws_of_its_examples_at_the_start_and_after_2_s(
         drawn, contacts = drawn + more, contacts + touching
     assert drawn > 1000
     assert contacts > 100
+
+
+def test_page_gets_what_pymunk_draws_of_every_kind_of_joint():
+    space = pymunk.Space()
+    a, b = pymunk.Body(1, 1), pymunk.Body(1, 1)
+    a.position = 30, 40
+    b.angle = 1
+    space.add(a, b, pymunk.Circle(a, 2), pymunk.Circle(b, 2))
+    ends = (b, a, (1, 2), (3, 0))
+    b_in_a = a.world_to_local(b.position)
+    springs = [
+        pymunk.DampedSpring(*ends, 50, 1, 1),
+        pymunk.DampedSpring(a, b, b_in_a, (0, 0), 1, 1, 1),
+    ]
+    turning = [pymunk.DampedRotarySpring(a, b, 0, 1, 1), pymunk.SimpleMotor(a, b, 1)]
+    others = [pymunk.SlideJoint(*ends, 1, 99), pymunk.GrooveJoint(a, b, (1, 1), (9, 3), (0, 2))]
+    joints = [*springs, *turning, *others, pymunk.PinJoint(*ends), pymunk.PivotJoint(*ends)]
+    space.add(*joints)
+    # One without a force is drawn, too.
+    joints[-1].max_force = 0
+    drawn, _ = assert_drawn_alike(Scene(space, PlaySettings()), "joints")
+    assert drawn == 30
 
 
 # The lines that the guide adds to a program whose y points down.

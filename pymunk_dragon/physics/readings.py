@@ -138,7 +138,7 @@ class JointForces:
         if length in (0.0, before):
             # The impulses of a joint that sleeps are still those of an earlier step.
             for joint in list(self._missing):
-                if not _sleeps(joint):
+                if not sleeps(joint):
                     del self._missing[joint]
         else:
             ratio = length / before if before else 0.0
@@ -148,7 +148,7 @@ class JointForces:
     def _missing_after(self, joint: pymunk.Constraint, ratio: float) -> float:
         """What the impulse of a joint lacks after a step with a `ratio` to the length before."""
         impulse = joint.impulse
-        if _sleeps(joint):
+        if sleeps(joint):
             return ratio * (impulse + self._missing.get(joint, 0.0)) - impulse
         return 0.0 if isinstance(joint, _SPRINGS) else (ratio - 1) * impulse
 
@@ -171,7 +171,8 @@ class JointForces:
         return np.column_stack([_ends(joints), self.sizes(joints), rotary])
 
 
-def _sleeps(joint: pymunk.Constraint) -> bool:
+def sleeps(joint: pymunk.Constraint) -> bool:
+    """Whether a body of a joint sleeps: Pymunk neither solves nor draws the joint."""
     return joint.a.is_sleeping or joint.b.is_sleeping
 
 

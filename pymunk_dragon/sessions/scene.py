@@ -30,6 +30,7 @@ from pymunk_dragon.physics.readings import (
 from pymunk_dragon.physics.substep import next_length
 from pymunk_dragon.sessions.controls import Button, Key, PygameEvents, Slider, slider_around
 from pymunk_dragon.sessions.draw import Draw
+from pymunk_dragon.sessions.joints import joint_calls
 from pymunk_dragon.sessions.outlines import Outlines
 from pymunk_dragon.web.frames import in_binary, packed
 
@@ -98,9 +99,7 @@ class Scene:
         self._hand = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
         self._held: pymunk.PivotJoint | None = None
         self._recorder = DrawRecorder()
-        self._recorder.flags = self.drawn
-        self._joint_recorder = DrawRecorder()
-        self._joint_recorder.flags = DrawRecorder.DRAW_CONSTRAINTS
+        self._recorder.flags = DrawRecorder.DRAW_SHAPES
         self._outlines = Outlines(space)
         # The shapes of the last frame, as a page gets them before; none of a dragon.
         self.outlines = b""
@@ -423,13 +422,21 @@ class Scene:
 
     def _parts(self) -> tuple[dict[str, Any], dict[str, Array]]:
         """Parts of the header and arrays of a frame."""
-        arrays = {"bodies": self._outlines.poses()}
+        poses = self._outlines.poses()
         self.outlines = self._outlines.frame
-        self.space.debug_draw(self._joint_recorder)
-        drawn = [*self._joint_recorder.calls, *self._drawing.calls]
-        arrays["calls"], colours = packed(drawn, grip)
-        arrays["joints"] = self._readings.joints(self.joints())
-        arrays["contacts"] = self._readings.contacts()
+
+        drawn = [*self.space.constraints]
+        rows = self._readings.joints(drawn)
+        of_joints = joint_calls(drawn, rows[:, :4], self._recorder.constraint_color)
+        calls, colours = packed([*of_joints, *self._drawing.calls], grip)
+
+        with_forces = set(self.joints())
+        arrays = {
+            "bodies": poses,
+            "calls": calls,
+            "joints": rows[np.array([each in with_forces for each in drawn], bool)],
+            "contacts": self._readings.contacts(),
+        }
         return {"colours": colours, "texts": self._drawing.texts}, arrays
 
 

@@ -135,7 +135,7 @@ interface LiveFrame {
 }
 
 /** A text that a program draws: x, y, the text, its size in pixels; red, green, blue, alpha. */
-type DrawnText = [number, number, string, number, [number, number, number, number]];
+type DrawnText = [number, number, string, number, [number, number, number, number] | null];
 
 interface Effort {
   number: number;

@@ -115,8 +115,12 @@ for (const link of window === top ? [] : document.querySelectorAll("a[href^='#']
   });
 }
 
-// A page in a frame with a sandbox cannot print.
-root.classList.toggle("sandboxed", window !== top && self.origin === "null");
+// A page in a frame with a sandbox cannot print, and may open no window: addresses can be copied.
+const isSandboxed = window !== top && self.origin === "null";
+root.classList.toggle("sandboxed", isSandboxed);
+for (const link of isSandboxed ? document.querySelectorAll("figcaption a") : []) {
+  link.append(` ${/** @type {HTMLAnchorElement} */ (link).href}`);
+}
 
 // Sheets to print: for the class or for the teacher, of one lesson or of all.
 for (const button of /** @type {NodeListOf<HTMLButtonElement>} */ (
