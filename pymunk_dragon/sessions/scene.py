@@ -422,7 +422,7 @@ class Scene:
         self.space.debug_draw(recorder)
         drawn = [*self.space.constraints]
         rows = self._readings.joints(drawn)
-        of_joints = joint_calls(drawn, rows[:, :4], recorder.constraint_color)
+        of_joints = joint_calls(self.space, rows[:, :4], recorder.constraint_color)
         calls, colours = packed([*recorder.calls, *of_joints, *self._drawing.calls], grip)
         with_forces = set(self.joints())
         joints = rows[np.array([each in with_forces for each in drawn], bool)]
