@@ -20,9 +20,9 @@ from pymunk_dragon.errors import DragonError, MissingExtraError
 from pymunk_dragon.lessons import LESSONS, Lesson, play, record, write_lessons
 from pymunk_dragon.lessons._framework import lesson, page
 from pymunk_dragon.lessons._framework.lesson import blocks
-from pymunk_dragon.lessons._framework.markup import html, plain
 from pymunk_dragon.lessons._framework.notebook import make_notebook
 from pymunk_dragon.lessons._framework.page import make_page
+from pymunk_dragon.web.markup import html, plain
 
 LANGUAGES = ("en", "zh")
 SECTIONS = ["Title", "Question", "Guess", "Answer", "Check", "Try", "Change", "Teacher"]

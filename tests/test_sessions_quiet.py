@@ -142,11 +142,15 @@ def test_picture_of_a_users_space_has_no_overlays_unless_the_user_chooses_some(
 
 
 @pytest.mark.parametrize("show", ["forces", ["shadows"], [3], 3])
-@pytest.mark.parametrize("what", [pymunk.Space, March()])
-def test_overlays_that_do_not_exist_are_refused(what, show):
-    assert refusal(live, what, show=show, browser=False).name == "show"
-    with live(what, show=["contacts"], paused=True, browser=False):
+def test_overlays_that_do_not_exist_are_refused(show):
+    assert refusal(live, pymunk.Space, show=show, browser=False).name == "show"
+
+
+def test_overlays_are_what_a_user_may_choose_of_a_march():
+    march = March(Dragon(benches=3))
+    with live(march, show=["handles"], paused=True, browser=False):
         pass
+    assert refusal(live, march, show=["handles"], plots={"a": len}, browser=False).name == "plots"
 
 
 def test_users_charts_stand_first_also_in_place_of_the_spaces_own():

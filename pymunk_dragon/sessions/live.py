@@ -178,8 +178,9 @@ def live(
     Give a function that builds the space: it is called at the start and at each reset, which then
     repeats the run to the bit. A space that is given gets back all that Pymunk lets a program
     change; where bodies touch, its run may then differ. The session that is returned steps the
-    space in a thread of its own. Change the space in `on_step`, in the actions of controls and in
-    Pymunk's callbacks, or from other threads in `Live.paused`.
+    space in a thread of its own: `Live.wait` keeps a program running for it. In a notebook, a cell
+    that runs again ends the sessions of its last run. Change the space in `on_step`, in the actions
+    of controls and in Pymunk's callbacks, or from other threads in `Live.paused`.
 
     Parameters
     ----------
@@ -194,7 +195,8 @@ def live(
     controls : sequence of Slider, Button, Key and PygameEvents
         What the page has in addition, each with a name of its own.
     plots : mapping of str to callable, optional
-        Functions of the space whose values the page shows as charts, by their titles.
+        Functions of the space whose values the page shows as charts, by their titles: over time, as
+        histograms, or against each other.
     events : list of str, optional
         List to which your functions append texts, which the page shows as events.
     view : tuple of float, optional
@@ -224,7 +226,7 @@ def live(
     paused : bool
         Whether to begin paused.
     browser : bool
-        Whether to open a browser.
+        Whether to open a browser; if none opens, the address is printed on stderr.
     host : str
         Address to listen on.
     port : int

@@ -14,12 +14,12 @@ from pymunk_dragon._extras import library
 from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon._language import LANGUAGES, in_language, text
 from pymunk_dragon.lessons._framework.lesson import Lesson, blocks
-from pymunk_dragon.lessons._framework.markup import html
 from pymunk_dragon.lessons._framework.notebook import make_notebook
 from pymunk_dragon.lessons._framework.recording import Recording, record
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.player.data import pack
 from pymunk_dragon.web.html import asset, data_address, embedded_json, filled, policy
+from pymunk_dragon.web.markup import html
 from pymunk_dragon.web.page import colour_variables, scripts
 
 PAGE = ".html"
