@@ -76,7 +76,7 @@ def _sensitivities(found: Paper) -> Table:
     last = text("handle {i} at {time:g} s, along the path")
     last = last.format(i=found.march.dragon.handles - 1, time=found.states.times[-1])
     answers = zip(_ANSWERS, found.errors, found.slopes, strict=True)
-    rows = []
+    rows: list[tuple[str, ...]] = []
     for (name, unit, change), error, slopes in answers:
         cells = [_change(slope, change) for slope in slopes.values()]
         answer = f"{len(rows) + 1}. {text(name) or last}"
