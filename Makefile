@@ -219,6 +219,7 @@ lint: $(VENV)/tools $(if $(NODE),$(SCRIPT_TOOLS))
 bench: $(VENV)/tools ## measure the figures that README and the documentation quote
 	$(BIN)/python tests/bench/bench.py
 	$(BIN)/python tests/bench/order.py
+	$(BIN)/python tests/bench/bench_live.py pyodide page
 
 # The engines of the benchmark, of exact versions; on a machine without node, those for JavaScript
 # are left out.

@@ -31,7 +31,7 @@ _NAMES = {
     "physics": "EngineSettings PathGuide World simulate",
     "player": "player_page write_player",
     "reports": "report",
-    "sessions": "Button Key PygameEvents Slider live",
+    "sessions": "Button Draw Key PygameEvents Slider live",
     "studies": "max_speed min_pitch sensitivity u_turn",
     "sweeps": "Sweep sweep",
 }

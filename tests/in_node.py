@@ -17,6 +17,14 @@ RUNTIME = Path(os.environ.get("PYODIDE_RUNTIME") or NODE / "node_modules" / "pyo
 # The folder with NumPy, cffi and Pillow for Pyodide.
 WHEELS = os.environ.get("PYODIDE_WHEELS")
 
+# Files of it that a page loads, beside its wheels.
+FILES = (
+    "pyodide-lock.json",
+    "pyodide.asm.mjs",
+    "pyodide.asm.wasm",
+    "pyodide.mjs",
+    "python_stdlib.zip",
+)
 # Installed libraries that are the same on all platforms, for tests.
 PURE = (
     "click",
@@ -56,11 +64,23 @@ def missing() -> str | None:
     return None
 
 
-def libraries(folder: Path, *, tests: bool) -> list[Path]:
-    """Archives with the libraries of a page and of tests, of which one is written to `folder`."""
+def wheels_of_page() -> list[Path]:
+    """The wheels of the libraries of a page."""
     if reason := missing():
         raise CannotRunError(reason)
-    wheels = [*Path(WHEELS or "").glob("*.whl"), downloaded("pymunk")]
+    return [*Path(WHEELS or "").glob("*.whl"), downloaded("pymunk")]
+
+
+def copy_for_pages(folder: Path) -> Path:
+    """A folder with a copy of Pyodide and the wheels of the libraries of a page."""
+    for file in (*wheels_of_page(), *(RUNTIME / name for name in FILES)):
+        shutil.copy(file, folder)
+    return folder
+
+
+def libraries(folder: Path, *, tests: bool) -> list[Path]:
+    """Archives with the libraries of a page and of tests, of which one is written to `folder`."""
+    wheels = wheels_of_page()
     if tests:
         wheels.append(downloaded("hypothesis"))
     pure = folder / "pure.zip"

@@ -40,7 +40,7 @@ def test_benchmarks_run_at_a_small_size(script, part):
     names = [*NAMES[script]][part]
     if "time-of-impact" in names and find_spec("Box2D") is None:
         names.remove("time-of-impact")  # Box2D is not for this Python.
-    if names == ["pyodide"] and (reason := in_node.missing()):
+    if names in (["pyodide"], ["page"]) and (reason := in_node.missing()):
         pytest.skip(reason)
     command = [sys.executable, str(ROOT / "tests" / "bench" / script), *names, "--small"]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)

@@ -166,7 +166,7 @@ def test_programs_that_show_something_run_in_the_page_where_it_has_their_librari
     expected = {
         "chains": [1, 2],
         "contacts": [0],
-        "live": [0],
+        "live": [0, 1],
         "pictures": [0, 3],
         "recursion": [0],
     }

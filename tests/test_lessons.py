@@ -25,7 +25,7 @@ from pymunk_dragon.lessons._framework.page import make_page
 from pymunk_dragon.web.markup import html, plain
 
 LANGUAGES = ("en", "zh")
-SECTIONS = ["Title", "Question", "Guess", "Answer", "Check", "Try", "Change", "Teacher"]
+SECTIONS = ["Title", "Question", "Answer", "Check", "Try", "Change", "Teacher"]
 # A lesson of a student's own.
 OWN = """# %% [markdown] order=1
 # # My own
@@ -197,7 +197,7 @@ def test_program_lists_plays_and_writes_lessons(call, tmp_path):
     assert all(title in call("demo", "--lang", "zh")[1] for title in titles.values())
     code, out, err = call("demo", "spiral", "--save", tmp_path, "--lang", "zh")
     assert (code, err) == (0, "")
-    for name in ("Question", "Guess", "Answer", "Check", "Change"):
+    for name in ("Question", "Answer", "Check", "Change"):
         assert all(flat(plain(line)) in flat(out) for line in lines(LESSONS["spiral"], name, "zh"))
     assert played("spiral").printed in out
     assert str(tmp_path / "spiral.png") in out

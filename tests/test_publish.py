@@ -8,9 +8,7 @@ import functools
 import http.server
 import io
 import json
-import os
 import re
-import shutil
 import sys
 import threading
 import zipfile
@@ -21,6 +19,7 @@ from pathlib import Path
 from types import ModuleType, SimpleNamespace
 
 import documentation
+import in_node
 import pytest
 from browser import needs_browser, opened, wait_until
 from bs4 import BeautifulSoup
@@ -66,15 +65,9 @@ controls = [Slider("height", 1, 3, rebuilds=True), Button("Divide", divide), But
 with live(build, step=1 / 240, controls=controls) as session:
     input(f"{session.address} {session.watch_address} shows it; Enter ends it. ")
 '''
-# What the worker loads of Pyodide, and the name of a wheel for it.
-PYODIDE = ["pyodide.mjs", "pyodide.asm.mjs", "pyodide.asm.wasm", "python_stdlib.zip"]
-PYODIDE += ["pyodide-lock.json"]
+# The name of a wheel for Pyodide.
 TAG = "cp314-cp314-pyemscripten_2026_0_wasm32.whl"
 PYMUNK = f"pymunk-{version('pymunk')}-{TAG}"
-# Where tests find Pyodide.
-NPM = Path(__file__).parent / "node/node_modules/pyodide"
-RUNTIME = Path(os.environ.get("PYODIDE_RUNTIME") or NPM)
-WHEELS = os.environ.get("PYODIDE_WHEELS")
 
 
 @pytest.fixture
@@ -92,7 +85,7 @@ def copy(tmp_path):
     """A folder with files named as those of a copy of Pyodide; each holds its name."""
     folder = tmp_path / "copy"
     folder.mkdir()
-    for name in (*PYODIDE, PYMUNK, f"numpy-2-{TAG}", f"cffi-2-{TAG}", f"pillow-12-{TAG}"):
+    for name in (*in_node.FILES, PYMUNK, f"numpy-2-{TAG}", f"cffi-2-{TAG}", f"pillow-12-{TAG}"):
         (folder / name).write_text(name)
     return folder
 
@@ -113,7 +106,7 @@ def test_folder_has_all_that_its_page_loads(program, copy, tmp_path):
     assert site["files"] == ["ball.py", "helper.py"]
     assert (folder / "files/ball.py").read_text() == PROGRAM
     # Some servers give .mjs a wrong type.
-    for name in PYODIDE:
+    for name in in_node.FILES:
         published = folder / "pyodide" / name.replace(".mjs", ".js")
         assert published.read_text() == name
     names = {Path(wheel).name.partition("-")[0] for wheel in site["wheels"]}
@@ -131,10 +124,42 @@ def test_page_has_the_title_and_the_text_of_the_program_and_keeps_to_its_own_ser
     page = BeautifulSoup((tmp_path / "site/index.html").read_text("utf-8"), "html.parser")
     assert (page.title.text, page.find(id="text").text) == ("A ball above a floor", "Drop it.")
     assert page.find("meta", {"name": "description"})["content"] == "Drop it."
+    # The address of the page is not known.
+    assert page.find(rel="canonical") is None
     picture = page.find("meta", property="og:image")["content"]
     assert (tmp_path / "site" / picture).read_bytes().startswith(b"\x89PNG")
     policy = page.find("meta", {"http-equiv": "Content-Security-Policy"})["content"]
     assert {"worker-src 'self'", "connect-src 'self'"} <= set(policy.split("; "))
+
+
+def test_pages_at_a_known_address_say_where_they_and_their_pictures_are(
+    program, copy, tmp_path, monkeypatch
+):
+    lesson = pymunk_dragon.lessons.LESSONS["spiral"]
+    monkeypatch.setattr("pymunk_dragon.publish.site.LESSONS", {"spiral": lesson})
+    for folder in ("https://example.org/dragon", "https://example.org/dragon/"):
+        site = tmp_path / str(len(folder))
+        publish_site(site, runtime=copy, address=folder)
+        for name in ("index.html", "live.html", "player.html"):
+            page = BeautifulSoup((site / name).read_text("utf-8"), "html.parser")
+            said = {each["property"]: each["content"] for each in page.find_all(property=True)}
+            here = f"https://example.org/dragon/{name}"
+            assert page.find(rel="canonical")["href"] == said["og:url"] == here
+            assert said["og:title"]
+            picture = said["og:image"].removeprefix("https://example.org/dragon/")
+            assert (site / picture).read_bytes().startswith(b"\x89PNG")
+            assert page.find("meta", {"name": "description"})["content"]
+
+
+@pytest.mark.parametrize(
+    "address", ["", "example.org", "ftp://a/b", "https://a/b?c", "https://", 7]
+)
+def test_address_that_no_page_can_have_is_refused(program, copy, tmp_path, address):
+    include = [program.with_name("helper.py")]
+    folder = tmp_path / "site"
+    with pytest.raises(DragonError, match="address"):
+        publish_program(program, folder, include=include, runtime=copy, address=address)
+    assert not folder.exists()
 
 
 def test_folder_has_a_whole_wheel_of_this_package(program, copy, tmp_path):
@@ -277,13 +302,16 @@ def test_worker_plays_a_program_that_has_ended(program, post):
         while not any("frame" in each for each in post.contents):
             await asyncio.sleep(0)
         page.take_post(json.dumps({"do": "press", "name": "Divide", "down": True}))
-        while post.messages[-1]["kind"] != "error":
+        while not errors():
             await asyncio.sleep(0)
         page.session.stop()
 
+    def errors():
+        return [each for each in post.messages if each["kind"] == "error"]
+
     in_a_loop(play)
     assert post.messages[0]["kind"] == "scene"
-    assert post.messages[-1]["place"].startswith("ball.py, line 23")
+    assert errors()[0]["place"].startswith("ball.py, line 23")
 
 
 @pytest.mark.parametrize(
@@ -327,18 +355,10 @@ def test_worker_runs_the_texts_of_a_program_and_posts_what_it_shows(post):
 @pytest.fixture(scope="module")
 def pyodide(tmp_path_factory):
     """A copy of Pyodide with its wheels, and Pymunk's."""
-    if not (RUNTIME / "pyodide.mjs").is_file():
-        pytest.skip("no Pyodide: npm install in tests/node, or PYODIDE_RUNTIME names its folder")
-    if WHEELS is None:
-        pytest.skip("no wheels for Pyodide: PYODIDE_WHEELS names their folder")
-    folder = tmp_path_factory.mktemp("pyodide")
-    for file in (*(RUNTIME / name for name in PYODIDE), *Path(WHEELS).glob("*.whl")):
-        shutil.copy(file, folder)
     try:
-        runtime._download(folder)
-    except DragonError as error:
+        return in_node.copy_for_pages(tmp_path_factory.mktemp("pyodide"))
+    except in_node.CannotRunError as error:
         pytest.skip(str(error))
-    return folder
 
 
 @contextmanager
@@ -398,16 +418,27 @@ def test_page_plays_a_program_shows_its_fault_and_stops_one_that_hangs(
         assert found.complaints == []
 
 
+@pytest.fixture(scope="module")
+def site(pyodide, tmp_path_factory):
+    """A site of three lessons: one without Pymunk, and two with scenes of it."""
+    names = ("chain", "tension", "callbacks")
+    lessons = {name: pymunk_dragon.lessons.LESSONS[name] for name in names}
+    folder = tmp_path_factory.mktemp("site")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("pymunk_dragon.publish.site.LESSONS", lessons)
+        publish_site(folder, runtime=pyodide)
+    return folder
+
+
 @pytest.mark.thorough
 @needs_browser
-def test_site_plays_a_scene_of_a_link_and_one_of_a_lesson(browser, pyodide, tmp_path, monkeypatch):
-    lessons = {name: pymunk_dragon.lessons.LESSONS[name] for name in ("tension", "callbacks")}
-    monkeypatch.setattr("pymunk_dragon.publish.site.LESSONS", lessons)
-    publish_site(tmp_path / "site", runtime=pyodide)
-    with served(tmp_path / "site") as address:
+def test_site_plays_a_scene_of_a_link(browser, site):
+    with served(site) as address:
         link = f"{address}live.html#scene=boxes&set.rows=4&t=0.5"
         with opened(browser, link) as found:
             page = found.page
+            # The picture of the page is that of another scene.
+            assert page.is_hidden("#begin-picture")
             page.click("#begin-play")
             wait_until(page, "live.frame?.time >= 0.4999")
             assert page.evaluate("[live.state.running, live.state.values.rows]") == [False, 4]
@@ -416,17 +447,54 @@ def test_site_plays_a_scene_of_a_link_and_one_of_a_lesson(browser, pyodide, tmp_
             wait_until(page, "live.scene.name === 'cradle' && live.frame?.time > 0")
             assert found.complaints == []
 
-        # One worker plays one experiment after the other.
-        with opened(browser, address) as found:
-            page = found.page
-            for name in lessons:
-                page.click(f"#{name} .open-unguessed")
-                wait_until(
-                    page, f"playedNow?.name === {name!r} && playedNow.frame && !playedNow.note"
-                )
-                assert page.evaluate("playedNow.frame.generation === playedNow.generation")
-                assert len(page.workers) == 1
+
+def play_scenes_of_lessons(page, lessons):
+    """Play the scenes of lessons one after the other, in one worker."""
+    for name in ("tension", "callbacks"):
+        lessons.click(f"#{name} .open-unguessed")
+        wait_until(lessons, f"playedNow?.name === {name!r} && playedNow.frame && !playedNow.note")
+        assert lessons.evaluate("playedNow.frame.generation === playedNow.generation")
+        assert len(page.workers) == 1
+
+
+@pytest.mark.thorough
+@needs_browser
+def test_one_worker_plays_one_experiment_after_the_other(browser, site):
+    with served(site) as address, opened(browser, address) as found:
+        play_scenes_of_lessons(found.page, found.page)
+        assert found.complaints == []
+
+
+@contextmanager
+def boxed(browser, address, sandbox):
+    """Open a page in a frame with a sandbox, on a page of the same server."""
+    around = (
+        f'<!doctype html><iframe sandbox="{sandbox}" width="1200" height="700" src="."></iframe>'
+    )
+    with opened(browser, "about:blank") as found:
+        found.page.route(
+            "**/around.html", lambda route: route.fulfill(body=around, content_type="text/html")
+        )
+        found.page.goto(f"{address}around.html")
+        yield found, found.page.wait_for_selector("iframe").content_frame()
+
+
+@pytest.mark.thorough
+@needs_browser
+def test_lessons_in_a_sandbox_play_what_it_allows(browser, site):
+    with served(site) as address:
+        with boxed(browser, address, "allow-scripts") as (found, lessons):
+            lessons.click("#chain .open-unguessed")
+            lessons.wait_for_selector("#chain .stage canvas")
+            lessons.click("#tension .open-unguessed")
+            assert lessons.evaluate("document.querySelector('#tension img').naturalWidth > 0")
+            # Where the frame opens no window, the address can be copied.
+            link = f"{address}live.html#scene=tension"
+            assert lessons.locator("#tension figure a").evaluate("each => each.href") == link
+            assert link in lessons.inner_text("#tension figure a")
             assert found.complaints == []
+        with boxed(browser, address, "allow-scripts allow-same-origin") as (found, lessons):
+            play_scenes_of_lessons(found.page, lessons)
 
 
 @pytest.mark.thorough

@@ -527,10 +527,10 @@ def test_page_gets_units_of_forces_torques_and_energies_in_the_lengths_of_the_sp
     # name.
     energy = "kg px²/s²"
     assert about["plots"] == [
-        ("Kinetic energy", energy),
-        (TOTAL, energy),
         ("Momentum", ""),
         ("Height (px)", ""),
+        ("Kinetic energy", energy),
+        (TOTAL, energy),
     ]
 
 

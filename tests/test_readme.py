@@ -20,6 +20,7 @@ from PIL import Image
 import pymunk_dragon
 from pymunk_dragon import first_contact
 from pymunk_dragon.cli import command, status
+from pymunk_dragon.sessions import Live
 
 # README in Chinese has the commands and the code of README.
 by_other_document = pytest.mark.parametrize(
@@ -61,6 +62,7 @@ def test_snippets_run_and_print_what_they_say(document, tmp_path, monkeypatch, c
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("builtins.input", lambda prompt: "")
     monkeypatch.setattr("webbrowser.open", lambda address: True)
+    monkeypatch.setattr(Live, "wait", Live.stop)
     names = {}
     for snippet, shown in document.snippets:
         exec(compile(snippet, document.name, "exec"), names)

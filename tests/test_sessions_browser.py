@@ -298,7 +298,7 @@ def test_page_shows_keys_events_errors_and_charts_of_a_program(browser):
     with shown(
         browser, source_of(pymunk.Space, PlaySettings(controls=controls, events=events))
     ) as (_, page):
-        assert "↑" in page.inner_text("#actions")
+        assert "↑" in page.inner_text("#held-keys")
         page.keyboard.down("ArrowUp")
         # Another window has the focus when the key is released.
         page.evaluate("dispatchEvent(new Event('blur'))")
@@ -364,7 +364,7 @@ def test_page_shows_forces_and_torques_in_their_units_and_on_scales_of_their_own
         ]
         assert page.text_content("#torque-name") == "Torque by joint (N m)"
         captions = page.eval_on_selector_all(
-            "#charts-own figcaption > :first-child", "all => all.map((x) => x.textContent)"
+            "#charts-own select", "all => all.map((x) => x.selectedOptions[0].text)"
         )
         assert captions == [
             "Kinetic energy (J)",

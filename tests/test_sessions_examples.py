@@ -7,6 +7,7 @@ import math
 import re
 import runpy
 import sys
+from itertools import pairwise
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -14,14 +15,13 @@ import numpy as np
 import pymunk
 import pytest
 from documents import GUIDES
-from live_sessions import Listener, decoded
+from live_sessions import Listener, drawn_in
 from test_sessions_input import keep_queries
 
 from pymunk_dragon.sessions import Live
 from pymunk_dragon.sessions.scene import PlaySettings, Scene
 
 EXAMPLES = Path(pymunk.__file__).parent / "examples"
-KINDS = ("circle", "segment", "polygon", "line", "dot")
 
 
 class ReachedStepError(BaseException):
@@ -81,28 +81,34 @@ def spaces(monkeypatch):
     return found
 
 
-def received(scene):
-    """What the page gets of a scene, as `Drawn` has it, and the number of contact points."""
-    frame, calls = decoded(scene.frame({})), []
-    numbers = frame.calls.tolist()
-    while numbers:
-        kind, count, radius, angle, fill, outline, _ = numbers[:7]
-        points = np.reshape(numbers[7 : 7 + 2 * int(count)], (-1, 2))
-        rim = frame.colours[int(outline)] if outline >= 0 else None
-        calls.append((KINDS[int(kind)], points, radius, angle, frame.colours[int(fill)], rim))
-        del numbers[: 7 + 2 * int(count)]
-    return calls, len(frame.contacts)
+def single(call):
+    """A call, or the parts of a spring, which is one line of several parts."""
+    parts = pairwise(call[1]) if call[0] == "line" else [call[1]]
+    return [(call[0], part, *call[2:]) for part in parts]
+
+
+def in_order(calls):
+    """Calls of shapes in their order, then those of joints, which all have one colour, in any."""
+    shapes = [call for call in calls if call[0] not in ("line", "dot")]
+    joints = [call for call in calls if call[0] in ("line", "dot")]
+    rounded = [(call[0], np.round(call[1], 3).tolist()) for call in joints]
+    return shapes + [joints[i] for i in sorted(range(len(joints)), key=lambda i: rounded[i])]
 
 
 def assert_drawn_alike(scene, name):
     reference = Drawn()
     scene.space.debug_draw(reference)
-    calls, contacts = received(scene)
+    reference.found = in_order(reference.found)
+    calls, frame = drawn_in(scene)
+    calls = in_order([part for call in calls for part in single(call)])
+    contacts = len(frame.contacts)
     assert len(calls) == len(reference.found), name
     for call, expected in zip(calls, reference.found, strict=True):
         assert call[0] == expected[0], name
         np.testing.assert_allclose(call[1], expected[1], rtol=1e-6, atol=1e-6, err_msg=name)
-        np.testing.assert_allclose(call[2:4], expected[2:4], rtol=1e-6, err_msg=name)
+        np.testing.assert_allclose(call[2], expected[2], rtol=1e-6, err_msg=name)
+        turned = math.remainder(float(call[3]) - expected[3], math.tau)
+        assert abs(turned) < 1e-6, name
         assert [call[4], call[5]] == [
             None if each is None else list(each) for each in expected[4:]
         ], name
@@ -124,29 +130,56 @@ def test_page_gets_what_pymunk_draws_of_its_examples_at_the_start_and_after_2_s(
     assert contacts > 100
 
 
-OPENS = "session = live({space}, step=None, {down}units='px', controls=[PygameEvents()])"
+def test_page_gets_what_pymunk_draws_of_every_kind_of_joint():
+    space = pymunk.Space()
+    a, b = pymunk.Body(1, 1), pymunk.Body(1, 1)
+    a.position = 30, 40
+    b.angle = 1
+    space.add(a, b, pymunk.Circle(a, 2), pymunk.Circle(b, 2))
+    ends = (b, a, (1, 2), (3, 0))
+    b_in_a = a.world_to_local(b.position)
+    springs = [
+        pymunk.DampedSpring(*ends, 50, 1, 1),
+        pymunk.DampedSpring(a, b, b_in_a, (0, 0), 1, 1, 1),
+    ]
+    turning = [pymunk.DampedRotarySpring(a, b, 0, 1, 1), pymunk.SimpleMotor(a, b, 1)]
+    others = [pymunk.SlideJoint(*ends, 1, 99), pymunk.GrooveJoint(a, b, (1, 1), (9, 3), (0, 2))]
+    joints = [*springs, *turning, *others, pymunk.PinJoint(*ends), pymunk.PivotJoint(*ends)]
+    space.add(*joints)
+    # One without a force is drawn, too.
+    joints[-1].max_force = 0
+    drawn, _ = assert_drawn_alike(Scene(space, PlaySettings()), "joints")
+    assert drawn == 30
+
+
+# The lines that the guide adds to a program whose y points down.
+[(IMPORT, ARGUMENTS)] = re.findall(
+    r"^(from .* live)\n\nspace = .*\nsession = live\(space, (.*)\)$",
+    GUIDES["live"].text,
+    re.MULTILINE,
+)
 STEPS = 40
 ROWS = re.findall(
-    r"^\| ([\w, ]+) \| `(.+)` \| `(.+)` \| (up|down) \|$", GUIDES["live"].text, re.MULTILINE
+    r"^\| ([\w, ]+) \| `(.+)` \| `(.+)` \| `(.+)` \| `(.+)` \| (up|down) \|$",
+    GUIDES["live"].text,
+    re.MULTILINE,
 )
 CHANGED = {name: others for names, *others in ROWS for name in names.split(", ")}
 
 
-def changed(source, space_line, step_line, direction):
+def changed(source, space_line, opening, step_line, steps, direction):
     """Source of an example with the lines of the guide's table, and how many lines changed."""
-    lines = ["from __future__ import annotations", "from pymunk_dragon import PygameEvents, live"]
-    owner = "self." if space_line.startswith("self.") else ""
+    lines = ["from __future__ import annotations", IMPORT]
+    arguments = ARGUMENTS if direction == "down" else ARGUMENTS.replace("y_down=True, ", "")
+    opening = opening.replace("...", arguments)
     count = 1
     for line in source.splitlines():
         indent = line[: len(line) - len(line.lstrip())]
-        if line.strip() == space_line and count < 2:
-            opening = OPENS.format(
-                space=space_line.partition(" ")[0], down="y_down=True, " * (direction == "down")
-            )
-            lines += [line, indent + owner + opening]
+        if line.strip() == space_line and indent + opening not in lines:
+            lines += [line, indent + opening]
             count += 1
         elif line.strip().startswith(f"{step_line}("):
-            lines.append(f"{indent}{owner}session.step{line[line.index('(') :]}")
+            lines.append(f"{indent}{steps}{line[line.index('(') :]}")
             count += 1
         elif not line.startswith("from __future__"):
             lines.append(line)
@@ -190,7 +223,6 @@ def played_example(monkeypatch):
 
     def play(name, inputs, count=lambda space: len(space.shapes)):
         before = []
-        space_line, step_line, direction = CHANGED[name]
 
         def stepped(live, dt):
             session = live.played
@@ -208,7 +240,7 @@ def played_example(monkeypatch):
         monkeypatch.syspath_prepend(EXAMPLES)
         monkeypatch.setattr(sys, "argv", [name, "/i"])
         path = EXAMPLES / f"{name}.py"
-        source, changes = changed(path.read_text(), space_line, step_line, direction)
+        source, changes = changed(path.read_text(), *CHANGED[name])
         assert changes <= 5
         with pytest.raises(ReachedStepError):
             exec(compile(source, name, "exec"), {"__name__": "__main__", "__file__": str(path)})
@@ -248,7 +280,7 @@ def test_example_of_pymunk_plays_with_keys_and_mouse_after_five_changed_lines_at
     assert {"KeyDown", "MouseButtonDown", "MouseButtonUp", "MouseMotion", "MouseWheel"} <= kinds
     [down] = [event for event in seen if event.type == pygame.MOUSEBUTTONDOWN and event.button == 1]
     height = scene.view["size"][1]
-    assert down.pos == (120, 130 if CHANGED[name][2] == "down" else height - 130)
+    assert down.pos == (120, 130 if CHANGED[name][-1] == "down" else height - 130)
     assert scene.steps == STEPS
 
 
@@ -293,5 +325,5 @@ def test_right_button_does_in_examples_of_pymunk_what_it_does_there(
     assert difference == 1
 
 
-def test_twenty_examples_of_pymunk_are_in_the_documentation():
-    assert len(CHANGED) >= 20
+def test_the_documentation_has_22_examples_of_pymunk():
+    assert len(CHANGED) == 22

@@ -11,13 +11,12 @@ from contextlib import contextmanager, suppress
 from contextvars import ContextVar, copy_context
 from importlib.metadata import version
 from importlib.util import find_spec
-from types import SimpleNamespace
 
 import conftest
 import nbformat
 import pytest
 from browser import needs_browser, opened, wait_until
-from live_sessions import PATIENCE, decoded, played
+from live_sessions import PATIENCE, decoded, notebook, played
 
 if find_spec("anywidget") is None:
     pytest.skip("no anywidget: pip install 'pymunk-dragon[notebook]'", allow_module_level=True)
@@ -99,7 +98,8 @@ def watched(source="pendulum"):
 
         def send(content, buffers=()):
             widget.texts += [json.loads(content["text"])] if "text" in content else []
-            widget.frames += [(content["frame"], decoded(bytes(each))) for each in buffers]
+            if "frame" in content:
+                widget.frames += [(content["frame"], decoded(bytes(each))) for each in buffers]
 
         widget.send = send
         yield on, widget
@@ -221,7 +221,7 @@ def test_body_is_dropped_when_its_page_begins_anew():
 
 
 def test_notebook_opens_a_port_only_for_the_address(monkeypatch, capsys):
-    python = SimpleNamespace(get_ipython=lambda: SimpleNamespace(kernel=object()))
+    python = notebook()
     with monkeypatch.context() as patch:
         patch.setitem(sys.modules, "IPython", python)
         patch.setattr(widgets, "display", lambda data, raw: shown.append(data))
@@ -240,8 +240,7 @@ def test_notebook_opens_a_port_only_for_the_address(monkeypatch, capsys):
 
 
 def test_port_that_no_computer_has_is_refused_in_a_notebook_too(monkeypatch):
-    python = SimpleNamespace(get_ipython=lambda: SimpleNamespace(kernel=object()))
-    monkeypatch.setitem(sys.modules, "IPython", python)
+    monkeypatch.setitem(sys.modules, "IPython", notebook())
     for port in (65536, -1, "8000"):
         with pytest.raises(ParameterError, match="port"), live("pendulum", port=port):
             pytest.fail("a session was started")
@@ -428,3 +427,26 @@ def test_page_goes_on_while_a_cell_runs_and_its_inputs_take_effect(browser, tmp_
             # In a narrow frame its part of the page is folded.
             frame.eval_on_selector("#actions button", "(button) => button.click()")
             wait(lambda: page.wait_for_timeout(20), lambda loops=loops: ends(page, loops))
+
+
+COUNT = "len([each for each in threading.enumerate() if 'pymunk-dragon' in each.name])"
+
+
+@pytest.mark.thorough
+def test_eight_runs_of_a_cell_leave_one_thread_in_a_kernel():
+    with pytest.importorskip("jupyter_client").run_kernel() as client:
+
+        def threads(cell, code):
+            """Threads of sessions after a cell was run."""
+            about = {"code": code, "user_expressions": {"count": COUNT}}
+            message = client.session.msg("execute_request", about, metadata={"cellId": cell})
+            client.shell_channel.send(message)
+            while True:
+                reply = client.get_shell_msg(timeout=PATIENCE)
+                if reply["parent_header"]["msg_id"] == message["msg_id"]:
+                    return int(reply["content"]["user_expressions"]["count"]["data"]["text/plain"])
+
+        assert threads("one", "import threading; from pymunk_dragon import live") == 0
+        for run in range(8):
+            assert threads("two", f"session = live('pendulum')\nsession  # {run}") == 1
+        assert threads("three", "session = live('cradle')") == 2

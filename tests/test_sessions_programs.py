@@ -176,7 +176,7 @@ def test_charts_have_energy_and_momentum_and_the_quantities_of_the_user():
         )
     ) as on:
         on.step(10)
-        kinetic, total, momentum, height = on.scene.plots().values()
+        height, kinetic, total, momentum = on.scene.plots().values()
         ball = balls(on.scene.space)[0]
         bodies = on.scene.space.bodies
         doubled = sum(

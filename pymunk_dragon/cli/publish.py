@@ -25,7 +25,14 @@ from pymunk_dragon.cli.output import progress
     metavar="RUNTIME",
     help="Folder with a copy of Pyodide, which is put into FOLDER: the page needs no other server.",
 )
-def publish(places: tuple[str, ...], include: tuple[str, ...], offline: str | None) -> None:
+@click.option(
+    "--address",
+    metavar="URL",
+    help="Where FOLDER will be, as https://example.org/dragon/: links to it show a picture.",
+)
+def publish(
+    places: tuple[str, ...], include: tuple[str, ...], offline: str | None, address: str | None
+) -> None:
     """Write a folder for the web: lessons and scenes, or your program.
 
     The program calls `live`. The engine runs in the reader's browser, and nothing on the server.
@@ -38,9 +45,9 @@ def publish(places: tuple[str, ...], include: tuple[str, ...], offline: str | No
         )
     *program, folder = places
     if program:
-        publish_program(program[0], folder, include=include, runtime=offline)
+        publish_program(program[0], folder, include=include, runtime=offline, address=address)
     else:
         with progress("publish") as show:
-            publish_site(folder, runtime=offline, progress=show)
+            publish_site(folder, runtime=offline, address=address, progress=show)
     place = shlex.quote(str(Path(folder)))
     click.echo(text("to see it: {command}").format(command=f"python -m http.server -d {place}"))

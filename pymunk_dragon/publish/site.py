@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from html import escape
@@ -11,7 +12,7 @@ from typing import Any
 
 from pymunk_dragon._checks import function, instance
 from pymunk_dragon._files import reason
-from pymunk_dragon._language import language
+from pymunk_dragon._language import language, text
 from pymunk_dragon.errors import OutputError, ParameterError
 from pymunk_dragon.lessons import LESSONS
 from pymunk_dragon.lessons._framework.page import run_page
@@ -31,6 +32,13 @@ _PAGES = {"Live scenes": "live.html", "A recorded run": "player.html"}
 # Title and text of the page of scenes.
 _SCENES = "Scenes that Pymunk plays in this page"
 _ABOUT = "Pull, cut and change them; choose one in the list."
+# Those of the page of lessons, which are also its heading.
+_LESSONS = "The bench dragon in lessons"
+_COURSE = "A folk dance of 223 benches, a spiral, and a physics engine: ask, guess, try, compare."
+# Text of the page of the recorded run.
+_RUN = "A dragon of 223 benches in Pymunk, up to its first contact."
+# Addresses that a folder can have.
+_ADDRESS = re.compile(r"https?://[^\s?#]+")
 # Start of the recorded run, s: some seconds before its first contact.
 _RUN_START = 400.0
 
@@ -39,6 +47,7 @@ def publish_site(
     folder: str | Path,
     *,
     runtime: str | Path | None = None,
+    address: str | None = None,
     progress: Callable[[int, int], object] = lambda done, total: None,
 ) -> None:
     """Write a folder with the lessons, all live scenes, and the player of a run.
@@ -50,13 +59,17 @@ def publish_site(
     runtime : path, optional
         Folder with a copy of Pyodide, which is put into `folder`; by default pages load Pyodide
         from its CDN.
+    address : str, optional
+        Where the folder will be, as "https://example.org/dragon/". Without it, pages name neither
+        their own address nor the whole one of their pictures, which some sites need that show
+        links.
     progress : callable, optional
         Called with the number of lessons that were run, and of all, after each one.
 
     Raises
     ------
     ParameterError
-        If a folder cannot be used.
+        If a folder cannot be used, or there is no such address.
     DragonError
         If pip cannot download the wheel of Pymunk, or writing fails.
     MissingExtraError
@@ -67,6 +80,7 @@ def publish_site(
     >>> publish_site("site")  # doctest: +SKIP
     """
     function("progress", progress)
+    base = _base(address)
     with _new_folder(folder) as draft:
         engine = write_engine(draft, runtime, {})
         site = engine | {"lessons": "index.html"}
@@ -76,6 +90,13 @@ def publish_site(
         lessons = list(LESSONS.values())
         page = run_page(lessons, language(), progress, site=engine, pages=_PAGES)
         (draft / "index.html").write_bytes(page.encode())
+        said = {
+            "index.html": (text(_LESSONS), text(_COURSE)),
+            "live.html": (_SCENES, _ABOUT),
+            "player.html": ("A recorded run", _RUN),
+        }
+        for name, words in said.items():
+            _describe(draft / name, *words, "live.png", base)
 
 
 def publish_program(
@@ -84,6 +105,7 @@ def publish_program(
     *,
     include: Sequence[str | Path] = (),
     runtime: str | Path | None = None,
+    address: str | None = None,
 ) -> None:
     """Write a folder with a page on which a program runs that calls `live`.
 
@@ -99,11 +121,15 @@ def publish_program(
     runtime : path, optional
         Folder with a copy of Pyodide, which is put into `folder`; by default the page loads Pyodide
         from its CDN.
+    address : str, optional
+        Where the folder will be, as "https://example.org/dragon/". Without it, pages name neither
+        their own address nor the whole one of their pictures, which some sites need that show
+        links.
 
     Raises
     ------
     ParameterError
-        If a file or a folder cannot be used.
+        If a file or a folder cannot be used, or there is no such address.
     FileFormatError
         If the program is no program, or imports what the page does not have.
     DragonError
@@ -113,6 +139,7 @@ def publish_program(
     --------
     >>> publish_program("cradle.py", "site")  # doctest: +SKIP
     """
+    base = _base(address)
     with _new_folder(folder) as draft:
         found = read_program(program, include)
         site = write_engine(draft, runtime, found.files) | {
@@ -120,7 +147,19 @@ def publish_program(
             "title": found.title,
             "text": found.text,
         }
-        _write_page(draft / "index.html", found.title, found.text, site, found.picture)
+        page = draft / "index.html"
+        _write_page(page, found.title, found.text, site, found.picture)
+        _describe(page, found.title, found.text, "index.png", base)
+
+
+def _base(address: str | None) -> str:
+    """The address of a folder, with a slash at its end; empty if it is not known."""
+    if address is None:
+        return ""
+    bound = "an address as https://example.org/dragon/"
+    if _ADDRESS.fullmatch(instance("address", address, str, bound)):
+        return f"{address.rstrip('/')}/"
+    raise ParameterError("address", address, bound)
 
 
 @contextmanager
@@ -170,12 +209,20 @@ def write_engine(
 
 
 def _write_page(path: Path, title: str, about: str, site: dict[str, Any], picture: bytes) -> None:
-    """Write the page of a live session, with its description for those who link to it."""
-    image = path.with_suffix(".png")
-    image.write_bytes(picture)
+    """Write the page of a live session, and its picture beside it."""
+    path.with_suffix(".png").write_bytes(picture)
     site = site | {"picture": data_address(picture, "image/png")}
     rules = "; worker-src 'self'"
     page, _ = live_page(title, language(), about, embedded_json(site), rules)
-    words = {"title": escape(title), "about": escape(about), "image": image.name}
-    head = substituted(asset(__package__, "assets/about.html").strip(), **words)
-    path.write_bytes(page.replace("<title>", head, 1).encode())
+    path.write_bytes(page.encode())
+
+
+def _describe(page: Path, title: str, about: str, picture: str, base: str) -> None:
+    """Write what a page is into its head, for those who show links to it."""
+    head = asset(__package__, "assets/about.html")
+    if base:
+        head += asset(__package__, "assets/address.html")
+    words = {"title": title, "about": about, "image": base + picture, "url": base + page.name}
+    escaped = {name: escape(word) for name, word in words.items()}
+    head = f"{substituted(head, **escaped)}<title>"
+    page.write_bytes(page.read_bytes().replace(b"<title>", head.encode(), 1))

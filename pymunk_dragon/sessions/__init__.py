@@ -24,6 +24,7 @@ sessions for a class, and how fast all this is.
 from __future__ import annotations
 
 from pymunk_dragon.sessions.controls import Button, Key, PygameEvents, Slider
+from pymunk_dragon.sessions.draw import Draw
 from pymunk_dragon.sessions.live import Live, live
 
-__all__ = ["Button", "Key", "Live", "PygameEvents", "Slider", "live"]
+__all__ = ["Button", "Draw", "Key", "Live", "PygameEvents", "Slider", "live"]

@@ -24,6 +24,10 @@ _KEY_NAMES = {
     "Alt": "LALT",
     "Meta": "LMETA",
 }
+_NAMED_KEYS = (
+    "ArrowLeft ArrowRight ArrowUp ArrowDown Enter Tab Escape Backspace Delete Insert Home End "
+    "PageUp PageDown Shift Control Alt Meta CapsLock F1 F2 F3 F4 F5 F6 F7 F8 F9 F10 F11 F12"
+)
 _MODIFIERS = ("LSHIFT", "LCTRL", "LALT", "LMETA")
 
 
@@ -141,10 +145,13 @@ class Button:
 class Key(Button):
     """A key that calls a function, and does nothing else on the page.
 
+    The page also has a button for it, which a finger can hold.
+
     Parameters
     ----------
     name : str
-        Name of the key, that of `KeyboardEvent.key` in browsers: "ArrowLeft", " " or "x".
+        Name of the key, that of `KeyboardEvent.key` in browsers: a character as " " or "x", or
+        "ArrowLeft", "Enter", "Escape", "Shift", "F5" and the like.
     action : callable
         Called as ``action(space)`` when the key is pressed.
     up : callable, optional
@@ -161,6 +168,9 @@ class Key(Button):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        is_character = len(self.name) == 1 and self.name.isprintable()
+        if not is_character and self.name not in _NAMED_KEYS.split():
+            raise ParameterError("name", self.name, f"a character, or one of {_NAMED_KEYS}")
         if self.up is not None:
             function("up", self.up)
 

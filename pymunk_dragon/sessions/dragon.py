@@ -45,6 +45,7 @@ class DragonScene(Scene):
 
     # The joints of the dancers are not drawn.
     drawn = DrawRecorder.DRAW_SHAPES
+    shown = ("curve", "exact", "contacts")
 
     def __init__(
         self, march: March, values: Values, *, contacts: str = "resolve", start: float = 0.0

@@ -10,7 +10,6 @@ from contextlib import AbstractContextManager
 from dataclasses import replace
 from functools import cached_property
 from html import escape
-from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import pymunk
@@ -29,7 +28,9 @@ from pymunk_dragon._checks import (
 from pymunk_dragon._extras import library
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.march import March
+from pymunk_dragon.sessions import ends
 from pymunk_dragon.sessions.controls import Button, Key, PygameEvents, Slider
+from pymunk_dragon.sessions.draw import Draw
 from pymunk_dragon.sessions.restore import FirstState
 from pymunk_dragon.sessions.scene import PARTS, PlaySettings
 from pymunk_dragon.sessions.scenes import SceneSource, march_scene, named_scene, space_scene
@@ -40,6 +41,10 @@ if TYPE_CHECKING:
 
 # Ports have 16 bits.
 _MAX_PORT = 65_535
+# Longest time that a program waits at once, s: on Windows, Ctrl-C takes effect only between waits.
+_MAX_WAIT = 0.1
+# Exit code of a program that Ctrl-C ended.
+_INTERRUPTED = 130
 
 
 class Live(AbstractContextManager["Live"]):
@@ -54,14 +59,19 @@ class Live(AbstractContextManager["Live"]):
 
     # Makes the handle of a session: another one where a program is published.
     made_by: ClassVar[Callable[..., Live] | None] = None
+    # Whether the session is shown, also to those who do not know its address.
+    shown = True
 
     def __init__(self, session: Session, *, browser: bool = False, **options: Any) -> None:
         # Where there are widgets, the server may use the port much later.
         whole("port", options["port"], 0, _MAX_PORT)
         self._session = session
         self._options = options
-        if not _has_widgets() and self.address and browser:
-            webbrowser.open(self.address)
+        # The session of the cell's last run may have the port.
+        ends.begin(self, session)
+        if not ends.has_widgets():
+            address = self.address
+            self.shown = browser and webbrowser.open(address)
         session.start()
 
     @cached_property
@@ -95,8 +105,31 @@ class Live(AbstractContextManager["Live"]):
         """
         self._session.step(dt)
 
+    def wait(self) -> None:
+        """Keep the program running until the session ends.
+
+        Ctrl-C ends the session, and the program with exit code 130. A published page goes on
+        without its program, so there the program does not wait; nor does one that makes the steps
+        itself.
+
+        Examples
+        --------
+        >>> live(build).wait()  # doctest: +SKIP
+        """
+        try:
+            while self._session.goes_on(_MAX_WAIT):
+                pass
+        except KeyboardInterrupt:
+            self.stop()
+            # One types commands, and goes on with that.
+            if ends.is_interactive():
+                raise
+            ends.note("interrupted")
+            sys.exit(_INTERRUPTED)
+
     def stop(self) -> None:
         """End the session and its server."""
+        ends.forget(self)
         self._session.stop()
         if "_server" in vars(self):
             self._server.stop()
@@ -110,7 +143,7 @@ class Live(AbstractContextManager["Live"]):
 
     def _repr_mimebundle_(self, include: object = None, exclude: object = None) -> Any:
         """The page: a widget or, without anywidget, a frame."""
-        if _has_widgets():
+        if ends.has_widgets():
             from pymunk_dragon.sessions.widget import LiveWidget
 
             return LiveWidget(self._session).shown()
@@ -130,7 +163,7 @@ def live(
     follow: Callable[[pymunk.Space], pymunk.Body | tuple[float, float]] | None = None,
     title: str | None = None,
     show: Sequence[str] | None = None,
-    on_draw: Callable[[pymunk.Space, Any], object] | None = None,
+    on_draw: Callable[[pymunk.Space, Draw], object] | None = None,
     on_click: Callable[[pymunk.Space, pymunk.Vec2d, int], object] | None = None,
     y_down: bool = False,
     units: str = "m",
@@ -145,8 +178,9 @@ def live(
     Give a function that builds the space: it is called at the start and at each reset, which then
     repeats the run to the bit. A space that is given gets back all that Pymunk lets a program
     change; where bodies touch, its run may then differ. The session that is returned steps the
-    space in a thread of its own. Change the space in `on_step`, in the actions of controls and in
-    Pymunk's callbacks, or from other threads in `Live.paused`.
+    space in a thread of its own: `Live.wait` keeps a program running for it. In a notebook, a cell
+    that runs again ends the sessions of its last run. Change the space in `on_step`, in the actions
+    of controls and in Pymunk's callbacks, or from other threads in `Live.paused`.
 
     Parameters
     ----------
@@ -159,9 +193,10 @@ def live(
     on_step : callable, optional
         Function of the space and the time, s, that is called before each step.
     controls : sequence of Slider, Button, Key and PygameEvents
-        What the page has in addition.
+        What the page has in addition, each with a name of its own.
     plots : mapping of str to callable, optional
-        Functions of the space whose values the page shows as charts, by their titles.
+        Functions of the space whose values the page shows as charts, by their titles: over time, as
+        histograms, or against each other.
     events : list of str, optional
         List to which your functions append texts, which the page shows as events.
     view : tuple of float, optional
@@ -178,9 +213,12 @@ def live(
         dragon "curve", "exact", "handles" and "numbers". By default nothing for a space, and the
         curve and contacts for a dragon.
     on_draw : callable, optional
-        Function of the space and of an object that draws, which is called for each picture.
+        Function of the space and a `Draw`, which draws lines, circles, arrows, trails and texts.
+        It is called for each picture that a page is sent, also while the session is paused.
     on_click : callable, optional
-        Function of the space, the point and the number of the button, which is called for a click.
+        Function of the space, the point, and the button (1 left, 2 middle, 3 right), which is
+        called between two steps for each click and tap with the tool "Program"; the page begins
+        with this tool. It then still drags bodies.
     y_down : bool
         Whether y points down.
     units : str
@@ -188,7 +226,7 @@ def live(
     paused : bool
         Whether to begin paused.
     browser : bool
-        Whether to open a browser.
+        Whether to open a browser; if none opens, the address is printed on stderr.
     host : str
         Address to listen on.
     port : int
@@ -246,7 +284,10 @@ def live(
         _check_unchanged(settings)
     session = Session(source_of(what, settings), running=not paused)
     make = Live.made_by or Live
-    return make(session, browser=browser, host=host, port=port, allow_hosts=allow_hosts)
+    running = make(session, browser=browser, host=host, port=port, allow_hosts=allow_hosts)
+    if not running.shown:
+        ends.note(f"the session is shown at {running.address}")
+    return running
 
 
 def _check_settings(settings: PlaySettings) -> None:
@@ -256,7 +297,14 @@ def _check_settings(settings: PlaySettings) -> None:
     if settings.on_step is not None:
         function("on_step", settings.on_step)
     described = "a sequence of Slider, Button, Key and others"
-    instances("controls", settings.controls, Slider | Button | PygameEvents, described)
+    controls = instances("controls", settings.controls, Slider | Button | PygameEvents, described)
+    names = [each.name for each in controls if not isinstance(each, PygameEvents)]
+    for name in names:
+        if names.count(name) > 1:
+            raise ParameterError("controls", name, "the name of one control only")
+    if settings.on_click is not None and len(names) < len(controls):
+        bound = "left out beside PygameEvents, which get the mouse"
+        raise ParameterError("on_click", settings.on_click, bound)
 
     plots = instance("plots", settings.plots, Mapping, "a mapping of titles to functions")
     for title, plot in plots.items():
@@ -288,11 +336,18 @@ def _check_unchanged(settings: PlaySettings) -> None:
     """Refuse settings that a march and a named scene choose themselves."""
     usual = vars(PlaySettings())
     for name, value in vars(settings).items():
-        if value != usual[name] and value != []:  # The controls may be an empty list, too.
+        # The controls may be an empty list, too.
+        if name != "show" and value != usual[name] and value != []:
             raise ParameterError(name, value, "left out for a march and for a built-in scene")
 
 
 def source_of(what: object, settings: PlaySettings) -> SceneSource:
+    """How the scene of a march, a space, a function or a name is made, and what it shows."""
+    source = _scene_of(what, settings)
+    return source if settings.show is None else replace(source, show=settings.show)
+
+
+def _scene_of(what: object, settings: PlaySettings) -> SceneSource:
     """How the scene of a march, a space, a function or a name is made."""
     if what is None or isinstance(what, str):
         return named_scene("dragon" if what is None else what)
@@ -305,10 +360,3 @@ def source_of(what: object, settings: PlaySettings) -> SceneSource:
         bound = "a March, a pymunk.Space, a function that returns one, or a scene's name"
         raise ParameterError("what", what, bound)
     return space_scene(what, settings)
-
-
-def _has_widgets() -> bool:
-    """Whether this runs in a notebook, for which anywidget is installed."""
-    python = sys.modules.get("IPython")
-    kernel = getattr(python and python.get_ipython(), "kernel", None)
-    return kernel is not None and find_spec("anywidget") is not None

@@ -280,6 +280,25 @@ class Press(Input):
 
 
 @dataclass(frozen=True, kw_only=True)
+class Click(Input):
+    """Click at a point, for a program with `on_click`."""
+
+    do = "click"
+
+    x: float
+    y: float
+    button: int
+
+    def __post_init__(self) -> None:
+        self._check(MAX_COORDINATE, "x", "y")
+        whole("button", self.button, 1, 3)
+
+    def apply(self, scene: Scene) -> None:
+        """Change a scene."""
+        scene.click(self.x, self.y, self.button)
+
+
+@dataclass(frozen=True, kw_only=True)
 class Pointer(Input):
     """Move the pointer of a pygame program; a button goes "down" or "up", or none: "move"."""
 
@@ -377,6 +396,7 @@ _MESSAGES: tuple[type[Message], ...] = (
     Obstacle,
     Remove,
     Press,
+    Click,
     Pointer,
     Wheel,
     Contacts,

@@ -29,6 +29,9 @@ from pymunk_dragon.physics.readings import (
 )
 from pymunk_dragon.physics.substep import next_length
 from pymunk_dragon.sessions.controls import Button, Key, PygameEvents, Slider, slider_around
+from pymunk_dragon.sessions.draw import Draw
+from pymunk_dragon.sessions.joints import joint_calls
+from pymunk_dragon.sessions.outlines import Outlines
 from pymunk_dragon.web.frames import in_binary, packed
 
 # Largest acceleration of a body by the hand, m/s^2, as in Box2D's testbed.
@@ -63,7 +66,7 @@ class PlaySettings:
     title: str | None = None
     # Parts of the picture that are shown at first: words of `PARTS`.
     show: Sequence[str] | None = None
-    on_draw: Callable[[pymunk.Space, Any], object] | None = None
+    on_draw: Callable[[pymunk.Space, Draw], object] | None = None
     on_click: Callable[[pymunk.Space, pymunk.Vec2d, int], object] | None = None
 
 
@@ -72,6 +75,8 @@ class Scene:
 
     # What pictures and the page show of Pymunk's debug drawing; contacts are sent apart.
     drawn = DrawRecorder.DRAW_SHAPES | DrawRecorder.DRAW_CONSTRAINTS
+    # Words of `PARTS` that the page shows at first, unless the user chooses others.
+    shown: Sequence[str] = ()
 
     def __init__(self, space: pymunk.Space, settings: PlaySettings) -> None:
         self.space = space
@@ -94,8 +99,13 @@ class Scene:
         self._hand = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
         self._held: pymunk.PivotJoint | None = None
         self._recorder = DrawRecorder()
-        self._recorder.flags = self.drawn
+        self._recorder.flags = DrawRecorder.DRAW_SHAPES
+        self._outlines = Outlines(space)
+        # The shapes of the last frame, as a page gets them before; none of a dragon.
+        self.outlines = b""
         self._readings = Readings(space)
+        # What `on_draw` drew last.
+        self._drawing = Draw()
 
         controls = settings.controls
         self.pygame = next((each for each in controls if isinstance(each, PygameEvents)), None)
@@ -138,12 +148,16 @@ class Scene:
         raise ParameterError("follow", found, f"a pymunk.Body or a point{_written_at(follow)}")
 
     def picture(self) -> bytes:
-        """PNG of what the page shows at first."""
+        """PNG of what the page shows at first, without texts."""
         view = dict(self.view)
         # The page shows an error of the user's function.
         with suppress(Exception):
             view["centre"] = self.focus() or view["centre"]
-        return still(self.space, view, y_down=self.settings.y_down, flags=self.drawn)
+        with suppress(Exception):
+            self.draw()
+        y_down = self.settings.y_down
+        more = self._drawing.calls
+        return still(self.space, view, y_down=y_down, flags=self.drawn, more=more)
 
     def advance(self) -> None:
         """Make a step; an error is raised if a body has no finite position after it."""
@@ -224,6 +238,13 @@ class Scene:
         """Pass the pointer to a pygame program, whose window has its origin at the upper left."""
         down = y if self.settings.y_down else self.view["size"][1] - y
         self.pygame_events().pointer(x, down, kind, button)
+
+    def click(self, x: float, y: float, button: int) -> None:
+        """Call the function for clicks."""
+        if self.settings.on_click is None:
+            raise ParameterError("message", "click", "an action that this scene has")
+        self.settings.on_click(self.space, pymunk.Vec2d(x, y), button)
+        self._wake()
 
     def pygame_events(self) -> PygameEvents:
         """The keys and the mouse of a pygame program; an error is raised in other scenes."""
@@ -325,14 +346,15 @@ class Scene:
         buttons = [name for name in self._pressed if name not in keys]
 
         unit_of = units(self.settings.units)
-        plots = {title: unit_of[kind] for title, kind in QUANTITIES.items()}
-        # The user's quantities have their units in their titles.
-        plots |= dict.fromkeys(self.settings.plots, "")
+        # The user's quantities come first, and have their units in their titles.
+        own = dict.fromkeys(self.settings.plots, "")
+        plots = own | {title: unit_of[kind] for title, kind in QUANTITIES.items()} | own
 
         return {
             "parameters": parameters,
             "buttons": buttons,
             "keys": ["*"] if self.pygame else keys,
+            "clicks": self.settings.on_click is not None,
             "dragon": None,
             "step": self.step_length,
             "y_down": self.settings.y_down,
@@ -359,11 +381,10 @@ class Scene:
         return np.array([(*body.position, body.angle) for body in self.space.bodies]).reshape(-1, 3)
 
     def plots(self) -> dict[str, float]:
-        """Quantities for charts: energy, momentum, and those of the user's."""
-        values = energies(self.space)
-        for title, plot in self.settings.plots.items():
-            values[title] = self._plotted(title, plot)
-        return values
+        """Quantities for charts: those of the user's, energy, and momentum."""
+        plots = self.settings.plots
+        own = {title: self._plotted(title, plot) for title, plot in plots.items()}
+        return own | energies(self.space) | own
 
     def _plotted(self, title: str, plot: Callable[[pymunk.Space], float]) -> float:
         """The value of a chart of the user's; an error names the chart."""
@@ -375,6 +396,18 @@ class Scene:
         if not isinstance(value, Real | np.bool_):
             raise ParameterError(f"the value of the chart {title!r}", value, "a number")
         return number(float(value) if isinstance(value, bool | np.bool_) else value)
+
+    def draw(self) -> None:
+        """Draw what the user's function draws on the next frame, up to an error in it."""
+        on_draw = self.settings.on_draw
+        if on_draw is None:
+            return
+        before = self._drawing.trails
+        self._drawing = Draw()
+        self._drawing.before = before
+        result = on_draw(self.space, self._drawing)
+        if result is not None:
+            raise ParameterError("the value of on_draw", result, f"None{_written_at(on_draw)}")
 
     def frame(self, header: Mapping[str, Any]) -> bytes:
         """The present state in the format of `in_binary`; `header` is the session's part of it."""
@@ -389,11 +422,22 @@ class Scene:
 
     def _parts(self) -> tuple[dict[str, Any], dict[str, Array]]:
         """Parts of the header and arrays of a frame."""
-        self.space.debug_draw(self._recorder)
-        calls, colours = packed(self._recorder.calls, grip)
-        joints = self._readings.joints(self.joints())
-        contacts = self._readings.contacts()
-        return {"colours": colours}, {"calls": calls, "joints": joints, "contacts": contacts}
+        poses = self._outlines.poses()
+        self.outlines = self._outlines.frame
+
+        drawn = [*self.space.constraints]
+        rows = self._readings.joints(drawn)
+        of_joints = joint_calls(drawn, rows[:, :4], self._recorder.constraint_color)
+        calls, colours = packed([*of_joints, *self._drawing.calls], grip)
+
+        with_forces = set(self.joints())
+        arrays = {
+            "bodies": poses,
+            "calls": calls,
+            "joints": rows[np.array([each in with_forces for each in drawn], bool)],
+            "contacts": self._readings.contacts(),
+        }
+        return {"colours": colours, "texts": self._drawing.texts}, arrays
 
 
 def _written_at(function: Callable[..., object]) -> str:

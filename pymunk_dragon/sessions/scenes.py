@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from inspect import Parameter, getdoc, isroutine, signature
@@ -40,6 +40,8 @@ class SceneSource:
     saved_as: Mapping[str, Any] | None = None
     # Whether `build` changes a space of the user's, and does not build one.
     given: bool = False
+    # What the page shows at first, in place of `Scene.shown`.
+    show: Sequence[str] | None = None
 
 
 # The scenes of the command, in the order in which pages list them.
@@ -158,6 +160,7 @@ def add(
         lesson=lesson,
         build=make,
         saved_as=saved_as,
+        show=["contacts"] if settings else None,
     )
     return build
 

@@ -168,6 +168,13 @@ class Session:
         for client in self.clients:
             client.stop()
 
+    def goes_on(self, seconds: float = 0.0) -> bool:
+        """Whether a thread makes the steps: after `seconds`, or as soon as it has ended."""
+        if self._thread is None:
+            return False
+        self._thread.join(seconds)
+        return self._thread.is_alive()
+
     def join(self, client: Client) -> None:
         """Send a client all messages and frames from now on.
 
@@ -346,7 +353,7 @@ class Session:
         self._end_replay(DragonError(f"the replay ends at step {self.scene.steps}: {error}"))
 
     def _show(self, now: float) -> None:
-        """Send clients the state, if it changed, and a frame, sometimes with values for charts."""
+        """Send clients the state if it changed, values for charts if they are due, and a frame."""
         self.clients.tell_state(self.state())
         header: dict[str, Any] = {
             "generation": self.generation,
@@ -357,12 +364,16 @@ class Session:
         with self._watched():
             try:
                 header["focus"] = self.scene.focus()
+                self.scene.draw()
                 if self.clock.plot_is_due(now):
-                    header["plots"] = list(self.scene.plots().values())
+                    values = [*self.scene.plots().values()]
+                    about = {"kind": "plots", "time": self.scene.time, "values": values}
+                    # Not in a frame: a client need not get all of these.
+                    self.clients.tell(without_nan(about))
             finally:
                 frame = self.scene.frame(header)
                 for client in self.clients:
-                    client.show(frame)
+                    client.show(frame, self.scene.outlines)
         self.clock.frame_was_made()
 
     def _tell_events(self, now: float) -> None:
@@ -393,6 +404,7 @@ class Session:
             "title": source.title,
             "text": source.text,
             "lesson": source.lesson,
+            "show": self.scene.shown if source.show is None else source.show,
         }
         self.clients.tell_scene(without_nan(about | self.scene.to_dict()))
 
@@ -488,19 +500,20 @@ def _ignored(error: dict[str, Any]) -> None:
 def described(error: BaseException) -> dict[str, Any]:
     """An exception as a message.
 
-    An exception in a function of the user's has its line and the end of the traceback in addition.
+    One that passes through a function of the user's has its line and the end of the traceback in
+    addition.
     """
-    if isinstance(error, DragonError):
-        return {"kind": "error", "text": str(error)}
-
     frames = traceback.extract_tb(error.__traceback__)
     own = [frame for frame in frames if not frame.filename.startswith((_PACKAGE, _PYMUNK))]
+    if isinstance(error, DragonError) and not own:
+        return {"kind": "error", "text": str(error)}
+
     own = own or frames
     last = own[-1]
     place = f"{Path(last.filename).name}, line {last.lineno}: {last.line}"
     trace = "".join(traceback.format_list(own[-_TRACE_CALLS:]))
 
-    text = f"{type(error).__name__}: {error}"
+    text = str(error) if isinstance(error, DragonError) else f"{type(error).__name__}: {error}"
     for note in getattr(error, "__notes__", ()):
         text += f" ({note})"
     return {"kind": "error", "text": text, "place": place, "trace": trace}

@@ -1,7 +1,7 @@
 """Live sessions: start, frame rate, delay of the mouse, many clients, memory, and WebAssembly.
 
-`python tests/bench/bench_live.py [start browser delay soak pyodide]`; `browser` and `delay` need
-Chromium, `pyodide` what `tests/in_node.py` describes.
+`python tests/bench/bench_live.py [start browser delay soak pyodide page]`; `browser`, `delay` and
+`page` need Chromium, `pyodide` and `page` what `tests/in_node.py` describes.
 """
 
 from __future__ import annotations
@@ -13,9 +13,12 @@ import re
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -24,13 +27,14 @@ import numpy as np
 import psutil
 import pymunk
 from measure import run, sized, spread
-from playwright.sync_api import Page
+from playwright.sync_api import Page, Request
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 import in_node
-from browser import chromium, opened, wait_until
+from browser import CHROMIUM, chromium, opened, wait_until
 from live_sessions import SocketClient, joined
 
+from pymunk_dragon.publish.site import publish_program
 from pymunk_dragon.sessions import Slider, live
 from pymunk_dragon.sessions.scenes import _boxes
 
@@ -199,21 +203,13 @@ def delay() -> None:
         print(spread(page.evaluate("delays"), 0))
 
 
-# Files of the runtime that a page loads, beside its wheels.
-RUNTIME = (
-    "pyodide-lock.json",
-    "pyodide.asm.mjs",
-    "pyodide.asm.wasm",
-    "pyodide.mjs",
-    "python_stdlib.zip",
-)
 # Steps and frames in Pyodide.
 STEPS = sized(500, 5)
 
 
 def pyodide() -> None:
     """A session in WebAssembly, in node: bytes, processor time of each stage, and memory."""
-    files = [in_node.RUNTIME / name for name in RUNTIME]
+    files = [in_node.RUNTIME / name for name in in_node.FILES]
     with tempfile.TemporaryDirectory() as folder:
         results = Path(folder)
         archives = in_node.libraries(results, tests=False)
@@ -232,7 +228,99 @@ def pyodide() -> None:
     print(f"memory: {usage['memory'] / 1e6:.0f} MB")
 
 
-BENCHMARKS = {"start": start, "browser": browser, "delay": delay, "soak": soak, "pyodide": pyodide}
+class Files(SimpleHTTPRequestHandler):
+    """A server of files that prints nothing."""
+
+    def log_message(self, *arguments: object) -> None:
+        """Print nothing."""
+
+
+@contextmanager
+def over_a_socket() -> Iterator[str]:
+    """The address of the page of a session in this process."""
+    with live("dragon", browser=False) as session:
+        yield session.address
+
+
+@contextmanager
+def published() -> Iterator[str]:
+    """The address of a published page, whose engine is in the browser."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        (folder / "dragon.py").write_text('from pymunk_dragon import live\n\nlive("dragon")\n')
+        (folder / "pyodide").mkdir()
+        runtime = in_node.copy_for_pages(folder / "pyodide")
+        publish_program(folder / "dragon.py", folder / "site", runtime=runtime)
+        handler = partial(Files, directory=str(folder / "site"))
+        with ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
+            threading.Thread(target=server.serve_forever).start()
+            try:
+                yield f"http://127.0.0.1:{server.server_port}/"
+            finally:
+                server.shutdown()
+
+
+def used() -> tuple[float, float]:
+    """Processor time, s, and memory, MB, of the page and its worker in Chromium."""
+    children = psutil.Process().children(recursive=True)
+    pages = [each for each in children if "--type=renderer" in each.cmdline()]
+    # Chromium keeps another one for the next page.
+    busiest = max(pages, key=lambda each: each.cpu_times().user)
+    times = busiest.cpu_times()
+    return times.user + times.system, busiest.memory_full_info().uss / 1e6
+
+
+def changes_of_scene(page: Page) -> list[float]:
+    """Times from the choice of a scene to its first frame, s, of ten changes."""
+    names = page.evaluate("live.scene.scenes.map(({ name }) => name)")
+    times = []
+    for k in range(1, sized(10, 2) + 1):
+        name = names[k % len(names)]
+        begin = time.perf_counter()
+        page.select_option("#scene", name)
+        wait_until(page, f"live.scene.name === '{name}' && live.frame?.time > 0")
+        times.append(time.perf_counter() - begin)
+    return times
+
+
+def figures_of_page(name: str, address: str) -> None:
+    """Print files, processor time, memory and changes of scene of a page."""
+    requests: list[Request] = []
+    with chromium() as started, opened(started, "about:blank") as found:
+        page = found.page
+        page.on("requestfinished", lambda each: requests.append(each))
+        page.goto(address)
+        if page.is_visible("#begin-play"):
+            page.click("#begin-play")
+        wait_until(page, "live.frame?.time > 0")
+        seconds, first = used()
+        size = sum(each.sizes()["responseBodySize"] for each in requests) / 1e6
+        times = changes_of_scene(page)
+        last = used()[1]
+    changes = f"{spread(times, 2)} s | {last:.0f} MB"
+    print(f"| {name} | {size:.2f} MB | {seconds:.1f} s | {first:.0f} MB | {changes} |", flush=True)
+
+
+def page() -> None:
+    """Files, processor time and memory at the first frame, a change of scene, memory after ten."""
+    if reason := in_node.missing() if CHROMIUM else "no Chromium":
+        raise in_node.CannotRunError(reason)
+    for name, place in {"over a socket": over_a_socket, "published": published}.items():
+        with place() as address:
+            figures_of_page(name, address)
+
+
+BENCHMARKS = {
+    "start": start,
+    "browser": browser,
+    "delay": delay,
+    "soak": soak,
+    "pyodide": pyodide,
+    "page": page,
+}
 
 if __name__ == "__main__":
-    run(BENCHMARKS)
+    try:
+        run(BENCHMARKS)
+    except in_node.CannotRunError as reason:
+        print(f"left out: {reason}")

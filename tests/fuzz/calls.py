@@ -114,6 +114,11 @@ def of_session(name, **arguments):
         getattr(session, name)(**arguments)
 
 
+def drawn(name):
+    """A method that draws on a new picture."""
+    return lambda **arguments: getattr(dragons.Draw(), name)(**arguments)
+
+
 def turn(**arguments):
     """The study of the U-turn with a search that ends at once."""
     with mock.patch.object(
@@ -194,6 +199,7 @@ CURVE = {
     "to_dict": {},
 }
 SETTING = (0.5, "number none")
+COLOUR = ((1, 2, 3), "array list text")
 
 CALLS = {
     # The model.
@@ -452,6 +458,7 @@ CALLS = {
             "folder": ("new", "text path"),
             "include": ([], "texts empty"),
             "runtime": (".", "text path none"),
+            "address": (None, "text none"),
         },
     ),
     "publish_site": (
@@ -459,6 +466,7 @@ CALLS = {
         {
             "folder": ("new", "text path"),
             "runtime": (".", "text path"),
+            "address": (None, "text none"),
             "progress": (FUNCTION, "function"),
         },
     ),
@@ -545,6 +553,17 @@ CALLS = {
     "Slider.checked": (dragons.Slider("x", 0, 9).checked, {"value": FLOAT}),
     "Button": (dragons.Button, {"name": TEXT, "action": (FUNCTION, "function")}),
     "Key": (dragons.Key, {"name": TEXT, "action": (FUNCTION, "function"), "up": PROGRESS}),
+    "Draw": (dragons.Draw, {}),
+    **{
+        f"Draw.{name}": (drawn(name), arguments | {"color": COLOUR})
+        for name, arguments in {
+            "line": {"a": PAIR, "b": PAIR},
+            "circle": {"center": PAIR, "radius": FLOAT, "fill": (None, "none array list text")},
+            "arrow": {"begin": PAIR, "end": PAIR},
+            "trail": {"of": PAIR, "last": WHOLE},
+            "text": {"point": PAIR, "text": TEXT, "size": FLOAT},
+        }.items()
+    },
     "live": (
         live,
         {
@@ -554,9 +573,11 @@ CALLS = {
                 "on_step": PROGRESS,
                 "controls": ((), "empty"),
             },
+            **{"on_draw": PROGRESS, "on_click": PROGRESS},
             **{
                 "plots": (None, "none empty"),
                 "events": (None, "none empty texts"),
+                "show": (None, "none empty"),
                 "y_down": FLAG,
                 "units": TEXT,
             },
@@ -576,6 +597,7 @@ CALLS = {
     ),
     "Live.step": (lambda dt: of_session("step", dt=dt), {"dt": (0.01, "number")}),
     "Live.paused": (lambda: of_session("paused"), {}),
+    "Live.wait": (lambda: of_session("wait"), {}),
     "Live.stop": (lambda: of_session("stop"), {}),
     # Lessons.
     "Lesson.sections": (lessons.LESSONS["spiral"].sections, {"language": ("en", "text")}),

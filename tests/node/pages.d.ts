@@ -73,6 +73,7 @@ interface RecordedMoment extends Moment<Recording, Poses & Rates> {
 
 interface LiveMoment extends Moment {
   calls: Call[];
+  texts: DrawnText[];
   joints: Joint[];
   cuts: number[];
   /** Points, normals and impulses of contacts. */
@@ -234,12 +235,17 @@ interface BenchNumbers {
   error: number | null;
 }
 
+/** Writes a value at an axis. */
+type Tick = (value: number) => string;
+
 interface ChartAxes {
   across: Numbers;
   up: Numbers;
   name?: string;
-  tick?: (value: number) => string;
+  tick?: Tick;
+  tickAcross?: Tick;
   apart?: number;
+  apartAcross?: number;
   margins?: { left: number; right: number; above: number; below: number };
 }
 

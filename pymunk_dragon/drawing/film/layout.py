@@ -81,12 +81,10 @@ class Layout:
             lines = [lettering.line(heading, letters) for heading in headings]
             cells = [_row([line], width + _GUTTER) for line in lines]
             above.append(_row(cells, total))
-        has_legend = film.legend and total >= _LEGEND_WIDTH
-        below = []
-        if has_legend:
+        below = lettering.wrapped(film.caption, letters, total)
+        if film.legend and total >= _LEGEND_WIDTH:
             one = self._before is self.scenes
-            below = _legend(self._before, samples, total, letters, has_one_scale=one)
-        below += lettering.wrapped(film.caption, letters, total)
+            below = [*_legend(self._before, samples, total, letters, has_one_scale=one), *below]
 
         # What the scenes leave free is the line between them.
         middle = Image.new("RGB", (total, height), COLOURS.curve)

@@ -35,6 +35,9 @@ MEDIA_TYPES = {
 _STAGE_FRAMES = 66
 # m: step of positions there.
 _STAGE_STEP = 1e-3
+# s: what the picture of a scene in the list shows, and from one moment to the next.
+_FILM_LENGTH = 3.0
+_FILM_STEP = 0.1
 # A page that stands alone.
 _ALONE: Mapping[str, str] = {}
 # Styles of the page.
@@ -173,6 +176,7 @@ def _values(recording: Recording) -> dict[str, Any]:
     return {
         "file": lesson,
         "data": recording.data or packed_runs(recording.runs),
+        "film": filmed(**lesson.scene()) if lesson.builds_scene else [],
         "printed": recording.printed.rstrip(),
         "picture": _picture(recording),
         "code": _highlighted("\n\n".join(lesson.cells)),
@@ -202,10 +206,36 @@ def packed_runs(runs: Sequence[Run]) -> list[dict[str, Any]]:
     return found
 
 
+def filmed(build: Any, step: float, **scene: Any) -> list[list[Any]]:
+    """Corners of the bodies of a scene at moments of its first seconds, to centimetres."""
+    space = build()
+    act = scene.get("on_step", lambda space, time: None)
+    film = []
+    for number in range(round(_FILM_LENGTH / step)):
+        space.step(step)
+        act(space, number * step)
+        if number % (round(_FILM_STEP / step) or 1):
+            continue
+        moment = []
+        for body in space.bodies:
+            points = [
+                body.local_to_world(point) for shape in body.shapes for point in corners(shape)
+            ]
+            moment.append(np.round(points, 2).tolist())
+        film.append(moment)
+    return film
+
+
+def corners(shape: Any) -> list[Any]:
+    """Corners of a shape; none of one without."""
+    return shape.get_vertices() if hasattr(shape, "get_vertices") else []
+
+
 def _picture(recording: Recording) -> dict[str, Any]:
     """Address and size of a picture, so that the page does not move when it is unfolded."""
     with library("PIL.Image").open(BytesIO(recording.picture)) as opened:
-        return {"address": _address(recording.picture, recording.ending), "size": opened.size}
+        address = _address(recording.picture, recording.ending)
+        return {"address": address, "size": opened.size, "repeats": recording.ending == ".gif"}
 
 
 def _spiral() -> str:

@@ -1,13 +1,13 @@
-// Charts of the last seconds: position error, tension along the chain, time of a step,
-// and quantities of the scene.
+// Charts of the last seconds: position error, tension along the chain, and time of a step.
 
 const CHART_SECONDS = 20;
 const LONGEST_GAP = 250; // ms: a longer pause between two frames counts as this
 const MARGINS = { left: 56, right: 6, above: 6, below: 6 }; // pixels
+const ROOM_BELOW = 24; // pixels below a chart with values at its horizontal axis
+const TICKS_APART = [18, 45]; // pixels: least distances of values along the axes
 const LABEL_GAP = 12; // pixels beside the values at the vertical axis
 const CHART_EVERY = 100; // ms between two drawings of the charts
 const ERROR_KNOWN = 1e-8; // m: errors are shown to a hundredth of a micrometre.
-const MOST_ROWS = 100000; // rows of a table: three hours
 
 // A chart with a canvas of its own, and values of the last seconds, in which pauses leave no gap.
 class Chart extends Pane {
@@ -52,8 +52,15 @@ class Chart extends Pane {
   }
 
   // Clear the canvas and draw the axes.
-  /** @type {(up: Limits, tick?: (value: number) => string, across?: Limits) => void} */
-  start(up, tick, across) {
+  /**
+   * @type {(
+   *   up: Limits,
+   *   tick?: Tick,
+   *   across?: Limits,
+   *   tickAcross?: Tick,
+   * ) => void}
+   */
+  start(up, tick, across, tickAcross) {
     const { context } = this;
     context.reset();
     Object.assign(this, fitCanvas(this.canvas, context));
@@ -62,9 +69,12 @@ class Chart extends Pane {
     const widest = tick
       ? Math.max(...up.map((value) => context.measureText(tick(value)).width))
       : 0;
-    const margins = { ...MARGINS, left: Math.max(MARGINS.left, widest + LABEL_GAP) };
+    const left = Math.max(MARGINS.left, widest + LABEL_GAP);
+    const below = tickAcross ? ROOM_BELOW : MARGINS.below;
+    const margins = { ...MARGINS, left, below };
     const times = [this.begin, this.clock];
-    this.axes({ across: across ?? times, up, tick, apart: 18, margins });
+    const [apart, apartAcross] = TICKS_APART;
+    this.axes({ across: across ?? times, up, tick, tickAcross, apart, apartAcross, margins });
   }
 
   /** @type {(points?: Numbers[]) => void} */
@@ -98,6 +108,9 @@ class LiveCharts {
     this.model = NOTHING_YET;
     /** @type {Quantity[]} */
     this.quantities = [];
+    // What the charts of quantities show, by the names of these: it outlasts a new start.
+    /** @type {Record<string, string>} */
+    this.views = {};
   }
 
   /** @type {(model: Model) => void} */
@@ -106,9 +119,19 @@ class LiveCharts {
     for (const chart of Object.values(this.charts)) chart.clear();
     element("charts-error").hidden = !model.can("exact");
     const names = model.benches ? [] : model.scene.plots; // a dragon has the charts above
-    this.quantities = names.map(([name, unit]) => new Quantity(name, unit, this.live));
+    this.quantities = names.map(([name, unit]) => new Quantity(name, unit, this));
     element("charts-own").replaceChildren(...this.quantities.map(({ figure }) => figure));
     element("save-charts").hidden = !this.quantities.length;
+  }
+
+  /** @type {(canvas: HTMLCanvasElement) => Chart} */
+  chartOn(canvas) {
+    return new Chart(canvas, this.live);
+  }
+
+  // Write the choices of all quantities, in the page's language.
+  nameViews() {
+    for (const quantity of this.quantities) quantity.nameViews();
   }
 
   /** @type {(frame: LiveFrame) => void} */
@@ -116,8 +139,13 @@ class LiveCharts {
     const now = performance.now();
     this.charts.error.add(frame.errors.length ? 1000 * largestOf(frame.errors) : NaN, now);
     this.charts.step.add(1000 * frame.step_time, now);
-    const { plots } = frame;
-    if (plots) this.quantities.forEach((quantity, k) => quantity.add(frame.time, plots[k], now));
+  }
+
+  // Values of the quantities, which also come while nothing is drawn.
+  /** @type {(found: { time: number, values: (number | null)[] }) => void} */
+  addValues({ time, values }) {
+    const now = performance.now();
+    this.quantities.forEach((quantity, k) => quantity.add(time, values[k], now));
   }
 
   // The quantities as a table, one row for each time.
@@ -218,54 +246,3 @@ class LiveCharts {
 
 /** @type {(ms: number) => string} */
 const formatTime = (ms) => (Number.isFinite(ms) ? `${Number(ms.toPrecision(2))} ms` : "–");
-
-// A chart of a quantity of the scene, with a linear scale.
-class Quantity {
-  /** @param {string} title @param {string} unit @param {Look} painter */
-  constructor(title, unit, painter) {
-    this.title = title;
-    this.unit = unit && ` (${unit})`;
-    this.name = title + this.unit;
-    /** @type {[number, number | null][]} */
-    this.rows = []; // [time, value] since the scene began, for the table
-    this.value = created("span", {}, "–");
-    this.caption = created("span");
-    const canvas = created("canvas", { ariaHidden: "true" });
-    this.figure = created(
-      "figure",
-      {},
-      created("figcaption", {}, this.caption, " ", this.value),
-      canvas,
-    );
-    this.chart = new Chart(canvas, painter);
-  }
-
-  /** @type {(time: number, value: number | null, now: number) => void} */
-  add(time, value, now) {
-    this.rows.push([time, value]);
-    if (this.rows.length > MOST_ROWS) this.rows.shift();
-    this.chart.add(value ?? NaN, now);
-  }
-
-  draw() {
-    const { chart } = this;
-    const { values } = chart;
-    this.caption.textContent = translated(this.title) + this.unit;
-    if (!chart.shown || !values.length) return;
-    let low = Math.min(...values);
-    let high = Math.max(...values);
-    // A constant quantity has a line in the middle;
-    // noise in its last digits does not fill the chart.
-    const least = Math.max(Math.abs(low), Math.abs(high)) * 1e-4 || 1;
-    if (high - low < least) [low, high] = [(low + high - least) / 2, (low + high + least) / 2];
-    // Enough digits to tell the ticks apart.
-    const digits = Math.max(
-      2,
-      Math.ceil(Math.log10((10 * Math.max(Math.abs(low), Math.abs(high))) / (high - low))),
-    );
-    const margin = (high - low) / 50;
-    chart.start([low - margin, high + margin], (value) => numberText(value, digits));
-    chart.track();
-    this.value.textContent = numberText(lastOf(values));
-  }
-}

@@ -6,7 +6,8 @@ const EDGE = 14; // pixels between tools or buttons and the edge of the canvas
 const SCALE_BAR_ROOM = 24; // pixels at the lower border that the fitted view leaves free
 const BUILDING_AFTER = 100; // ms
 const ANNOUNCE_EVERY = 1500; // ms: events in between are not announced to screen readers
-const SHOWN_OF_SCENE = ["curve", "exact", "contacts"];
+/** @type {Record<string, string>} */
+const WORDS = { labels: "numbers" }; // of switches, in Python, where these differ
 /** @type {DrawnModel} */
 const NO_MODEL = /** @type {any} */ ({
   field: { centre: [0, 0], size: [1, 1] },
@@ -25,6 +26,7 @@ const LIVE_LAYERS = [
   drawNumbers,
   drawCuts,
   drawImpulses,
+  drawTexts,
   drawHeld,
   drawTarget,
   drawAim,
@@ -34,7 +36,7 @@ const LIVE_LAYERS = [
 /** @extends {Stage<LivePicture>} */
 class Live extends Stage {
   constructor() {
-    super(NO_MODEL, LIVE_LAYERS, LIVE_SWITCHES, SHOWN_OF_SCENE);
+    super(NO_MODEL, LIVE_LAYERS, LIVE_SWITCHES, []);
     /** @type {LiveScene} */
     this.scene = NOTHING_YET;
     /** @type {LiveState} */
@@ -43,16 +45,17 @@ class Live extends Stage {
     this.frame = NOTHING_YET;
     /** @type {Model} */
     this.model = NOTHING_YET;
-    /** @type {ArrayBuffer | null} */
+    /** @type {LiveFrame | null} */
     this.newest = NOTHING_YET;
+    this.frames = new Frames();
     /** @type {LiveMoment | null} */
     this.cachedMoment = null;
     /** @type {Parameter[]} */
     this.first = []; // those of the scene as it began
     this.scales = new Scales();
     this.rateKind = ""; // what the rate was measured of
-    /** @type { { clock: number, time: number }[]} */
-    this.ticks = []; // the session's clock and the simulated time in the last second
+    /** @type { { clock: number, time: number, step: number, step_time: number }[]} */
+    this.ticks = []; // of the frames in the last second
     this.aims = false; // whether keys have the field
     this.errorTimer = 0;
     this.buildingTimer = 0;
@@ -66,7 +69,7 @@ class Live extends Stage {
     this.fits = false;
     this.fitted = false;
     this.drawn = 0;
-    // Keys of the scene that are down: codes, and the names that were sent.
+    // Keys of the scene that are down: what holds each, and the names that were sent.
     /** @type {Map<string, string>} */
     this.pressed = new Map();
     this.announce = throttled((text) => setText("announcement", text), ANNOUNCE_EVERY);
@@ -105,13 +108,13 @@ class Live extends Stage {
     if (message.kind === "scene") this.setScene(message);
     if (message.kind === "state") this.setState(message);
     if (message.kind === "event") this.addEvent(message);
+    if (message.kind === "plots") this.charts.addValues(message);
     if (message.kind === "error") this.showError(message);
   }
 
   /** @type {(buffer: ArrayBuffer) => void} */
   receiveFrame(buffer) {
-    // Only frames that are drawn are decoded.
-    this.newest = buffer;
+    this.newest = this.frames.decode(buffer) ?? this.newest;
     this.requestDraw();
   }
 
@@ -139,7 +142,9 @@ class Live extends Stage {
       this.setFollow("field");
       this.fits = false;
       if (scene.follows) this.beginToFollow();
-      for (const name of LIVE_SWITCHES) this.shown[name] = SHOWN_OF_SCENE.includes(name);
+      for (const name of LIVE_SWITCHES) {
+        this.shown[name] = scene.show.includes(WORDS[name] ?? name);
+      }
       setText("announcement", translated(scene.title));
     }
     showScene(this);
@@ -226,12 +231,12 @@ class Live extends Stage {
 
   decode() {
     if (!this.newest) return;
-    const frame = decodeFrame(this.newest);
-    /** @type {ArrayBuffer | null} */
+    const frame = this.newest;
     this.newest = null;
     if (frame.generation !== this.scene?.generation) return;
     this.frame = frame;
     this.cachedMoment = null;
+    frame.calls = this.frames.callsOf(frame);
     this.charts.add(frame);
   }
 

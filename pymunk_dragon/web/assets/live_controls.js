@@ -25,6 +25,7 @@ function connectLive(live) {
     takes: (event) => takesKey(live, event),
   });
   listenForProgram(live);
+  listenForClicks(live);
   listenForLeaving(live);
   connectSite(live);
   element("save").href = `inputs${location.search}`;
@@ -95,12 +96,29 @@ function listenForProgram(live) {
     },
     { capture: true, passive: false },
   );
+  const hears = () => tools.isProgram || tools.hearsClicks;
   // The middle button would scroll.
   canvas.addEventListener(
     "mousedown",
-    (event) => tools.isProgram && event.button === 1 && event.preventDefault(),
+    (event) => hears() && event.button === 1 && event.preventDefault(),
   );
-  canvas.addEventListener("contextmenu", (event) => tools.isProgram && event.preventDefault());
+  canvas.addEventListener("contextmenu", (event) => hears() && event.preventDefault());
+}
+
+// Clicks of the middle and the right button; those of the left one are taps.
+/** @type {(live: Live) => void} */
+function listenForClicks({ tools }) {
+  const canvas = element("field");
+  /** @type {Point} */
+  let begin = [0, 0];
+  canvas.addEventListener("pointerdown", (event) => {
+    if (event.button > 0) begin = pixelOf(canvas, event);
+  });
+  canvas.addEventListener("pointerup", (event) => {
+    const end = pixelOf(canvas, event);
+    const stays = Math.hypot(end[0] - begin[0], end[1] - begin[1]) <= TAP_SLIP;
+    if ([1, 2].includes(event.button) && stays) tools.click(end, event.button + 1);
+  });
 }
 
 // Nothing stays held where its release would not be heard: in another window, tab or field.
@@ -115,35 +133,6 @@ function listenForLeaving(live) {
   document.addEventListener("visibilitychange", () => document.hidden && letGo());
   canvas.addEventListener("blur", () => releaseKeys(live));
   document.addEventListener("focusin", ({ target }) => target !== canvas && releaseKeys(live));
-}
-
-// Send a key of the scene's own; it does nothing else. What is released is the key that went down:
-// its name changes with the shift key.
-/** @type {(live: Live, event: KeyboardEvent) => boolean} */
-function takesKey(live, event) {
-  const { pressed } = live;
-  const code = event.code || event.key;
-  if (event.type === "keyup") {
-    if (!pressed.has(code)) return false;
-    live.send({ do: "press", name: pressed.get(code), down: false });
-    pressed.delete(code);
-    return true;
-  }
-  const keys = live.scene?.keys ?? [];
-  const all =
-    keys.includes("*") && !(/** @type {Element} */ (event.target).closest("input, select"));
-  if (!(keys.includes(event.key) || all) || !live.controls) return false;
-  event.preventDefault();
-  if (event.repeat || pressed.has(code)) return true;
-  live.send({ do: "press", name: event.key, down: true });
-  pressed.set(code, event.key);
-  return true;
-}
-
-/** @type {(live: Live) => void} */
-function releaseKeys(live) {
-  for (const name of live.pressed.values()) live.send({ do: "press", name, down: false });
-  live.pressed.clear();
 }
 
 // ---- the start, and what tests read

@@ -3,6 +3,7 @@
 const SPEEDS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20]; // simulated over real time
 const RATE_TIME = 1; // s: the rate of the simulation is an average of so long
 const SLOW = 0.9; // less than this fraction of the chosen speed is marked as slow
+const BUSY = 0.5; // of the time: longer steps are why a program with a loop of its own is slow
 const LIVE_SWITCHES = ["curve", "handles", "labels", "exact", "forces", "contacts"];
 
 // An event of the server, whose numbers are fields {i}, {j}, ... of a text in the catalogue.
@@ -81,18 +82,21 @@ function showAbilities(live) {
   };
   for (const id in parts) element(id).hidden = !model.can(parts[id]);
   showFollow(live);
+  document.body.classList.toggle("of-benches", model.benches > 0);
+  element("about-given").hidden = !live.scene.given;
+  element("about-clicks").hidden = !live.scene.clicks;
   element("parameters-part").hidden = live.scene.parameters.length === 0;
   const buttons = live.scene.buttons.map((name) => {
     const onclick = () => live.send({ do: "press", name, down: true });
     return created("button", { type: "button", className: "plain sends", onclick }, name);
   });
-  const keys = live.scene.keys
-    .filter((key) => key !== "*")
-    .map((key) => created("kbd", {}, keySign(key)));
-  element("actions").replaceChildren(
-    ...buttons,
-    ...(keys.length ? [localized("Keys"), ...keys] : []),
-  );
+  element("actions").replaceChildren(...buttons);
+  showKeyButtons(live);
+  // The help has no keys of what the scene has not.
+  for (const [k, [each]] of withKeys().entries()) {
+    element("keys").children[k].toggleAttribute("hidden", each.closest("[hidden]") !== null);
+  }
+  live.charts.nameViews();
   live.afterChange();
 }
 
@@ -155,14 +159,27 @@ function showAccess(live) {
 function rateOf(live) {
   const {
     state: { running, speed },
-    frame: { generation, clock, time },
+    frame: { generation, clock, time, step, step_time },
   } = live;
   const kind = [running, speed, generation].join();
   if (live.rateKind !== kind) Object.assign(live, { rateKind: kind, ticks: [] });
-  live.ticks = [...live.ticks, { clock, time }].filter((one) => one.clock >= clock - RATE_TIME);
+  live.ticks = [...live.ticks, { clock, time, step, step_time }].filter(
+    (one) => one.clock >= clock - RATE_TIME,
+  );
   const [first] = live.ticks;
   const passed = clock - first.clock;
   return passed >= RATE_TIME / 2 ? (time - first.time) / passed : null;
+}
+
+// Whether the computer is too slow for the chosen speed. A program that makes the steps itself may
+// also be slow as it likes: then the steps take little of the time.
+/** @type {(live: Live, rate: number) => boolean} */
+function isSlow({ state, scene, ticks }, rate) {
+  if (!state.running || rate >= SLOW * state.speed) return false;
+  const steps = lastOf(ticks).step - ticks[0].step;
+  const passed = lastOf(ticks).clock - ticks[0].clock;
+  const mean = ticks.reduce((sum, { step_time }) => sum + step_time, 0) / ticks.length;
+  return scene.resets || steps * mean > BUSY * passed;
 }
 
 /** @type {(live: Live) => void} */
@@ -172,7 +189,7 @@ function showFrame(live) {
   setText("march", marchText(frame));
   const now = rateOf(live);
   const known = now !== null;
-  const slow = state.running && known && now < SLOW * state.speed;
+  const slow = known && isSlow(live, now);
   const rate = known ? `${now.toFixed(2)}×` : "–";
   const achieved = slow
     ? localized("Slow: {rate}", { rate })

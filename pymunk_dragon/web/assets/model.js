@@ -37,7 +37,9 @@ class Model {
     const dragon = this.benches > 0;
     /** @type {Record<string, boolean>} */
     const found = { dancers: dragon, contacts: dragon, exact: dragon, until_contact: !dragon };
-    return { ...found, pointer: this.scene.keys.includes("*") }[ability ?? ""] ?? true;
+    const pointer = this.scene.keys.includes("*");
+    const { clicks } = this.scene;
+    return { ...found, pointer, clicks, program: pointer || clicks }[ability ?? ""] ?? true;
   }
 
   // A length as text.
@@ -73,6 +75,7 @@ class Model {
       inContact: new Set(frame.touching),
       freeFrom: state.free_from,
       calls: this.benches ? state.obstacles.map(obstacleCall) : frame.calls,
+      texts: frame.texts ?? [],
       joints: this.joints(frame, benches, state.cuts),
       cuts: state.cuts,
       contacts: frame.contacts,

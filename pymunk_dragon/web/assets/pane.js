@@ -80,14 +80,17 @@ class Pane {
 
   // Axes of a chart with the ranges `across` and `up`; what is drawn next is clipped to them.
   // `tick` writes a value, and those of the vertical axis are at least `apart` pixels apart, or
-  // left out. Only a chart with a name has values below it.
+  // left out; `tickAcross` and `apartAcross` are those of the horizontal axis, which has no values
+  // by default if the chart has no name.
   /** @type {(axes: ChartAxes) => void} */
   axes({
     across: [x0, x1],
     up: [y0, y1],
     name,
     tick = signed,
+    tickAcross = name ? tick : undefined,
     apart = 32,
+    apartAcross = TICKS_ACROSS,
     margins = CHART_MARGINS,
   }) {
     const { left, right, above, below } = margins;
@@ -99,7 +102,7 @@ class Pane {
     this.sy = high / (y1 - y0);
     this.left = left;
     this.ceiling = this.top + above;
-    for (const x of name ? ticks(x0, x1, this.sx / TICKS_ACROSS) : []) {
+    for (const x of tickAcross ? ticks(x0, x1, this.sx / apartAcross) : []) {
       this.line(
         [
           [x, y0],
@@ -107,7 +110,7 @@ class Pane {
         ],
         { colour: "rule" },
       );
-      this.text([x, y0], tick(x), { dy: 15, colour: "quiet" });
+      this.text([x, y0], tickAcross?.(x) ?? "", { dy: 15, colour: "quiet" });
     }
     for (const y of apart < Infinity ? ticks(y0, y1, this.sy / apart) : []) {
       this.line(

@@ -15,6 +15,7 @@ const LOADED = [
 
 /** @type {Connection | null} */
 let connection = null;
+const engineFrames = new Frames();
 /** @type {Played | null} */
 let playedNow = null; // the stage that the connection serves
 
@@ -32,9 +33,23 @@ class Played {
     this.generation = 0;
     this.running = false;
     this.holds = false; // whether the hand holds a body
+    /** @type {(() => void)[]} */
+    this.moved = []; // what sends the sliders that have moved
     /** @type {Words | null} */
     this.note = null; // why nothing moves
-    this.enter();
+    if (lab.isSmall) lab.filmed = (share) => this.showFilm(share);
+    else this.enter();
+  }
+
+  // In the list: a picture of what was recorded.
+  /** @type {(share: number) => void} */
+  showFilm(share) {
+    const film = this.lab.film ?? [];
+    const bodies = film[Math.round(share * (film.length - 1))] ?? [];
+    const calls = bodies.map((points) => ({ kind: "polygon", points }));
+    /** @type {any} */
+    const frame = { calls, step: 0, time: 0 };
+    this.frame = frame;
   }
 
   // Whether the connection serves this stage.
@@ -54,7 +69,7 @@ class Played {
     else if (!connection) {
       connection = new Connection({
         received: (message) => playedNow?.receive(message),
-        framed: (buffer) => playedNow?.show(decodeFrame(buffer)),
+        framed: (buffer) => playedNow?.show(engineFrames.decode(buffer)),
         changed: (open) => playedNow?.reached(open),
         loaded: (loading) => playedNow?.load(loading),
       });
@@ -83,6 +98,7 @@ class Played {
   begin() {
     this.send({ do: "scene", name: this.name });
     if (!this.plays) this.send({ do: "pause" });
+    for (const send of this.moved) send();
   }
 
   // ---- what comes from the engine
@@ -124,9 +140,10 @@ class Played {
     this.lab.requestDraw();
   }
 
-  /** @type {(frame: LiveFrame) => void} */
+  /** @type {(frame: LiveFrame | null) => void} */
   show(frame) {
-    if (frame.generation !== this.generation) return;
+    if (frame?.generation !== this.generation) return;
+    frame.calls = engineFrames.callsOf(frame);
     if (!this.frame) this.lab.still?.remove();
     this.frame = frame;
     this.note = null;
@@ -144,10 +161,10 @@ class Played {
   // A slider of the scene.
   /** @type {(name: string, label: Words, options: SliderOptions) => Slid} */
   slider(name, label, options) {
-    const slid = this.lab.slider(label, {
-      ...options,
-      moved: (value) => this.send({ do: "set", name, value }),
-    });
+    /** @type {(value: number) => void} */
+    const moved = (value) => this.send({ do: "set", name, value });
+    const slid = this.lab.slider(label, { ...options, moved });
+    this.moved.push(() => slid.value !== options.value && moved(slid.value));
     return slid;
   }
 

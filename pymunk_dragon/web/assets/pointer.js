@@ -12,7 +12,8 @@ function pixelOf(canvas, { clientX, clientY }) {
 }
 
 // `taken` returns whether a pointer that goes down takes hold of something; its movements are then
-// `carried` instead of panning the view, until it is `dropped`.
+// `carried` instead of panning the view, until it is `dropped`. One that has not moved is also
+// `tapped`.
 /** @type {(canvas: HTMLCanvasElement, view: Zoomed, pointers: Pointers) => void} */
 function listenToPointers(
   canvas,
@@ -53,6 +54,7 @@ function listenToPointers(
     const last = pointer.now;
     pointer.now = here;
     if (holds) {
+      slipped ||= spread([pointer.start, here]) > TAP_SLIP;
       carried(here);
     } else if (down.size === 1) {
       if (!slipped && spread([pointer.start, here]) <= TAP_SLIP) {
@@ -73,7 +75,7 @@ function listenToPointers(
   });
   /** @type {(event: PointerEvent) => void} */
   const up = (event) => {
-    const tap = down.delete(event.pointerId) && !slipped && !holds && event.type === "pointerup";
+    const tap = down.delete(event.pointerId) && !slipped && event.type === "pointerup";
     drop();
     if (tap) tapped(position(event), event.pointerType);
   };

@@ -3,6 +3,7 @@
 const LOOK_EVERY = 1000; // ms: whether the worker answers, and what the link has to be
 const STATE_DIGITS = 3; // decimals of the time in a link
 const SET = "set."; // before the name of a slider in a link
+const PICTURED = "dragon"; // the scene of the picture where no program has the page
 // Scene for a frame on the page of a guide.
 const STAGE = new URLSearchParams(location.hash.slice(1)).get("stage");
 
@@ -14,16 +15,29 @@ function hindrance() {
         " serve the folder with python -m http.server",
     );
   }
-  if (self.origin === "null") return localized("The engine cannot run in this frame.");
+  if (self.origin === "null") {
+    const address = location.href;
+    return localized("The engine cannot run in this frame, only at {address} by itself.", {
+      address,
+    });
+  }
   const able = "Worker" in window && typeof WebAssembly === "object";
   return able ? "" : localized("This browser is too old for the engine.");
+}
+
+// The picture before the engine is there, if it is one of the scene of the link.
+/** @type {(site: Site) => string | undefined} */
+function firstPicture({ title, picture }) {
+  const scene = LINKED.get("scene") ?? PICTURED;
+  return title || scene === PICTURED ? picture : undefined;
 }
 
 /** @type {(live: Live) => void} */
 function connectSite(live) {
   if (!SITE) return;
-  if (SITE.picture) element("begin-picture").src = SITE.picture;
-  element("begin-picture").hidden = !SITE.picture;
+  const picture = firstPicture(SITE);
+  if (picture) element("begin-picture").src = picture;
+  element("begin-picture").hidden = !picture;
   element("begin").hidden = false;
   element("save").hidden = true;
   element("begin-play").addEventListener("click", () => beginEngine(live));

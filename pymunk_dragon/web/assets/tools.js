@@ -15,7 +15,7 @@ const BUTTONS = [
 const TOOLS = ["drag", "cut", "round", "square", "release", "program"];
 /** @type {Record<string, string>} */
 const ABILITY_OF_TOOL = {
-  program: "pointer",
+  program: "program",
   cut: "cut",
   round: "obstacles",
   square: "obstacles",
@@ -36,6 +36,9 @@ class Tools {
     this.pointed = null; // where the program's pointer was moved to since the last picture
     /** @type {Point | null} */
     this.carried = null; // position of the pointer that holds a body
+    /** @type {Point | null} */
+    this.begun = null; // where a pointer is down that would hold a body when it moves
+    this.slip = 0; // pixels: largest distance of that pointer from the body
     this.buttons = 0; // those that the program knows to be down, as in `PointerEvent.buttons`
     /** @type {Point | null} */
     this.place = null; // where the program's pointer is
@@ -54,7 +57,7 @@ class Tools {
     }
     if (!model.can(ABILITY_OF_TOOL[this.chosen])) this.choose("drag");
     if (rebuilt) return;
-    if (model.can("pointer")) this.choose("program");
+    if (model.can("program")) this.choose("program");
     const side = Math.min(...model.field.size);
     this.sizes = scaleOf({
       low: OBSTACLES.low * side,
@@ -110,17 +113,27 @@ class Tools {
       this.press(pixel, 1);
       return true;
     }
-    if (this.chosen !== "drag" || !live.controls) return false;
-    const slip = kind === "mouse" ? MOUSE_SLIP : BODY_SLIP;
-    const found = this.bodyAt(pixel, slip);
-    if (!found) return false;
+    if (!(this.chosen === "drag" || this.hearsClicks) || !live.controls) return false;
+    this.slip = kind === "mouse" ? MOUSE_SLIP : BODY_SLIP;
+    if (!this.bodyAt(pixel, this.slip)) return false;
+    this.carried = this.begun = pixel;
+    // A click does not touch the body.
+    if (!this.hearsClicks) this.grab(pixel);
+    return true;
+  }
+
+  // Hold the body at the pixel where the pointer went down or, if it has left, where it is now.
+  /** @type {(now: Point) => void} */
+  grab(now) {
+    const { live, begun, slip } = this;
+    const found = begun && (this.bodyAt(begun, slip) ?? this.bodyAt(now, slip));
+    this.begun = null;
+    if (!found) return;
     const [x, y] = found.point;
     // The body has moved on since the picture was made.
     live.send({ do: "grab", x, y, slip: Math.max(slip, GRAB_SLIP) / live.view.scale });
-    this.carried = pixel;
     this.sent = null;
     live.requestDraw();
-    return true;
   }
 
   /** @type {(pixel: Point) => void} */
@@ -128,21 +141,25 @@ class Tools {
     if (!this.carried) return;
     this.carried = pixel;
     if (this.isProgram) this.press(pixel, this.buttons);
+    else if (this.begun) {
+      const [x, y] = this.begun;
+      if (Math.hypot(pixel[0] - x, pixel[1] - y) > TAP_SLIP) this.grab(pixel);
+    }
     this.live.requestDraw();
   }
 
   drop() {
     if (this.place && this.buttons) this.press(this.place, 0);
     if (!this.carried) return;
-    if (this.chosen !== "program") this.live.send({ do: "drop" });
-    this.carried = null;
+    if (!(this.isPointer || this.begun)) this.live.send({ do: "drop" });
+    this.carried = this.begun = null;
     this.live.requestDraw();
   }
 
   // Send where the held body is to go; once in each picture.
   flush() {
     this.flushProgram();
-    if (!this.carried || this.chosen === "program") return;
+    if (!this.carried || this.isPointer || this.begun) return;
     const [x, y] = this.placeAt(this.carried);
     if (this.sent && this.sent[0] === x && this.sent[1] === y) return;
     this.sent = [x, y];
@@ -161,9 +178,28 @@ class Tools {
 
   // ---- pointer and wheel of a program
 
+  // Whether the tool is the pointer of a pygame program.
+  get isPointer() {
+    return this.chosen === "program" && this.live.model.can("pointer");
+  }
+
   // Whether they belong to the program now.
   get isProgram() {
-    return this.chosen === "program" && this.live.controls;
+    return this.isPointer && this.live.controls;
+  }
+
+  // Whether clicks do; the pointer then still drags bodies, or the view.
+  get hearsClicks() {
+    const { model, controls } = this.live;
+    return this.chosen === "program" && controls && model.can("clicks");
+  }
+
+  // A button is clicked: 1 the left one or a finger, 2 the middle one, 3 the right one.
+  /** @type {(pixel: Point, button: number) => void} */
+  click(pixel, button) {
+    if (!this.hearsClicks) return;
+    const [x, y] = this.placeAt(pixel);
+    this.live.send({ do: "click", x, y, button });
   }
 
   // The pointer is at a pixel with these buttons down. The program gets buttons at once,
@@ -249,6 +285,7 @@ class Tools {
 
   /** @type {(pixel: Point, kind: string) => void} */
   tap(pixel, kind) {
+    this.click(pixel, 1);
     const target = this.chosen !== "drag" && this.targetAt(pixel, kind === "mouse" ? 0 : BODY_SLIP);
     const message = target && this.messageFor(target);
     if (message) this.live.send(message);
