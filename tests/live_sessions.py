@@ -23,6 +23,8 @@ from pymunk_dragon.sessions.session import Session
 
 # s that anything may take on a busy machine.
 PATIENCE = 60.0
+# Names of the kinds of calls in a frame.
+KINDS = ("circle", "segment", "polygon", "line", "dot")
 
 
 class Listener(Client):
@@ -35,7 +37,7 @@ class Listener(Client):
     def tell(self, message):
         self.told.append(message)
 
-    def show(self, frame):
+    def show(self, frame, outlines):
         """Have no use for pictures."""
 
     def stop(self):
@@ -171,6 +173,38 @@ def decoded(frame: bytes):
     return SimpleNamespace(**header, **parts)
 
 
+def drawn_in(scene):
+    """What a page draws of a scene, as `calls_of` has it, and the frame."""
+    frame = decoded(scene.frame({}))
+    return all_calls(frame, scene.outlines), frame
+
+
+def all_calls(frame, outlines):
+    """What a page draws in a frame with the shapes that came before it."""
+    shapes = decoded(outlines)
+    poses = frame.bodies.reshape(-1, 3)
+    placed = []
+    for call, (x, y, angle) in zip(calls_of(shapes), poses[shapes.owners.astype(int)], strict=True):
+        kind, points, radius, own, *rest = call
+        cos, sin = np.cos(angle), np.sin(angle)
+        moved = points @ [[cos, sin], [-sin, cos]] + (x, y)
+        turned = own + angle if kind == "circle" else 0.0
+        placed.append((kind, moved, radius, turned, *rest))
+    return placed + calls_of(frame)
+
+
+def calls_of(part):
+    """Kind, points, radius, angle, colours and grip of the calls in a frame or of its shapes."""
+    numbers, found = part.calls.tolist(), []
+    while numbers:
+        kind, count, radius, angle, fill, outline, held = numbers[:7]
+        points = np.reshape(numbers[7 : 7 + 2 * int(count)], (-1, 2))
+        rim = part.colours[int(outline)] if outline >= 0 else None
+        found.append((KINDS[int(kind)], points, radius, angle, part.colours[int(fill)], rim, held))
+        del numbers[: 7 + 2 * int(count)]
+    return found
+
+
 class Served(Live):
     """What `live` returns, for a session that a test can read."""
 
@@ -210,6 +244,9 @@ class SocketClient:
                     self.errors += found["kind"] == "error"
                 elif message.type is aiohttp.WSMsgType.BINARY:
                     found = decoded(message.data)
+                    if "owners" in found.sizes:
+                        # Shapes, which come before the frames.
+                        continue
                 else:
                     raise ConnectionError(f"closed with {message.data}")
                 if wanted(found):

@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 import imageio.v3 as iio
+import numpy as np
 import openpyxl
 import pytest
 from conftest import DATA, assert_one_line
@@ -79,6 +80,33 @@ def test_positions_are_written_as_the_contests_sheet(answer, tmp_path):
     heads, first, *_ = openpyxl.load_workbook(sheet)["位置"].iter_rows(values_only=True)
     assert heads == (None, "0 s", "1 s", "2 s")
     assert first[:2] == ("龙头x (m)", 8.8)
+
+
+@pytest.mark.parametrize("lang", ["en", "zh"])
+def test_positions_are_written_as_tables_for_latex(answer, tmp_path, lang):
+    file = tmp_path / "p.tex"
+    times = [0, 1, 2, 3, 4, 5, 6]
+    chosen = ["--times", "0:6:1", "--handles", "0,223"]
+    assert answer("positions", *chosen, "--lang", lang, "-o", file) == ""
+    states = March().at(times)
+    # Six columns of times and then one, each with its positions and its speeds.
+    tables = re.findall(
+        r"\\begin{longtable}{@{}l\*{(\d)}{r}@{}}\n(.*?)\\end{longtable}",
+        file.read_text(encoding="utf-8"),
+        re.DOTALL,
+    )
+    assert [int(columns) for columns, _ in tables] == [6, 6, 1, 1]
+    for (columns, body), quantity in zip(
+        tables, 2 * [states.positions, states.speeds], strict=True
+    ):
+        head, rows = re.search(r"\\toprule\n(.*?)\\midrule.*\\endfoot\n(.*)", body, re.S).groups()
+        shown = [int(time) for time in re.findall(r"(\d+)\\,s", head)]
+        assert len(shown) == int(columns)
+        values = [
+            [float(cell.strip("$ \\")) for cell in row.split("&")[1:]] for row in rows.splitlines()
+        ]
+        expected = quantity[shown][:, [0, 223]].reshape(len(shown), -1).T
+        np.testing.assert_allclose(values, expected, rtol=0, atol=5.01e-7)
 
 
 def test_paper_tables_are_the_papers_numbers(answer):

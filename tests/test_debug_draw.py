@@ -253,7 +253,7 @@ def test_bad_images_line_widths_and_areas_are_refused():
         (
             "image",
             PillowDrawOptions,
-            [None, "image.png", *(Image.new(mode, (4, 4)) for mode in ("L", "P", "RGBA"))],
+            [None, "image.png", *(Image.new(mode, (4, 4)) for mode in ("L", "P", "LA"))],
         ),
         (
             "line_width",
@@ -388,3 +388,84 @@ def test_pictures_look_as_they_did(golden):
     options.fit(shapes())
     shapes().debug_draw(options)
     golden(options.image, "debug_draw/shapes")
+
+
+BOX_OF_DISCS = pymunk.BB(-1, -1, 2, 1)
+
+
+def discs():
+    """An opaque disc, and a translucent one over half of it."""
+    space = pymunk.Space()
+    for x, colour in ((0, (255, 0, 0, 255)), (1, (0, 0, 255, 128))):
+        disc = pymunk.Circle(space.static_body, 1, (x, 0))
+        disc.color = colour
+        space.add(disc)
+    return space
+
+
+def drawn_on(image, space, box=BOX_OF_DISCS):
+    options = PillowDrawOptions(image, positive_y_is_up=True)
+    options.shape_outline_color = (0, 0, 0, 255)
+    options.fit(box, margin=0)
+    space.debug_draw(options)
+    return image
+
+
+def test_picture_with_alpha_is_transparent_where_nothing_is_drawn():
+    image = drawn_on(Image.new("RGBA", (120, 80)), discs())
+    assert image.getpixel((2, 2))[3] == 0
+    assert image.getpixel((30, 45)) == (255, 0, 0, 255)
+    assert image.getpixel((90, 45)) == pytest.approx((0, 0, 255, 128), abs=1)
+    assert image.getpixel((55, 50)) == pytest.approx((127, 0, 128, 255), abs=1)
+
+
+@pytest.mark.parametrize("ground", ["white", (30, 60, 90)])
+def test_picture_with_alpha_over_a_ground_is_that_on_the_ground(ground):
+    layer = drawn_on(Image.new("RGBA", (120, 80)), discs())
+    over = Image.new("RGBA", (120, 80), ground)
+    over.alpha_composite(layer)
+    expected = drawn_on(Image.new("RGB", (120, 80), ground), discs())
+    difference = np.asarray(over.convert("RGB")).astype(int) - np.asarray(expected)
+    assert abs(difference).max() <= 2
+    again = drawn_on(Image.new("RGBA", (120, 80), ground), discs())
+    assert abs(np.asarray(again.convert("RGB")).astype(int) - np.asarray(expected)).max() <= 2
+
+
+@pytest.mark.parametrize("kind", ["png", "gif", "webp"])
+def test_transparent_pictures_are_saved_as_stills_and_films(tmp_path, kind):
+    space = discs()
+    frames = []
+    for k in range(3):
+        box = pymunk.BB(-1.5 - k, -1, 1.5 - k, 1)
+        frames.append(drawn_on(Image.new("RGBA", (120, 80)), space, box))
+    path = tmp_path / f"discs.{kind}"
+    options = {"save_all": True, "append_images": frames[1:], "duration": 100}
+    if kind != "png":
+        frames[0].save(path, **options, disposal=2, lossless=True)
+    else:
+        frames[0].save(path)
+    with Image.open(path) as found:
+        for k in range(1 if kind == "png" else 3):
+            found.seek(k)
+            shown = np.asarray(found.convert("RGBA"))
+            expected = np.asarray(frames[k])
+            clear = expected[..., 3] == 0
+            assert clear.any()
+            assert (shown[clear][:, 3] == 0).all()
+            full = expected[..., 3] == 255
+            assert (shown[full][:, 3] == 255).all()
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.7, 1.5])
+def test_spoke_ends_at_the_circle_where_the_view_is_stretched(angle):
+    image = Image.new("RGB", (200, 200), "white")
+    options = PillowDrawOptions(image)
+    options.transform = pymunk.Transform(60, 0, 30, 10, 100, 100)
+    space = pymunk.Space()
+    body = pymunk.Body(1, 1)
+    body.angle = angle
+    space.add(body, pymunk.Circle(body, 1))
+    space.debug_draw(options)
+    rows, columns = np.nonzero((np.asarray(image) != 255).any(axis=2))
+    reach = np.hypot(columns - 99.5, rows - 99.5).max()
+    assert reach == pytest.approx(math.sqrt(600), abs=1.5)

@@ -163,7 +163,13 @@ def test_programs_that_show_something_run_in_the_page_where_it_has_their_librari
         for name, blocks in found.items()
     }
     # Not those with imageio or matplotlib, and not those that only define functions.
-    expected = {"chains": [1, 2], "contacts": [0], "live": [0], "pictures": [0, 3]}
+    expected = {
+        "chains": [1, 2],
+        "contacts": [0],
+        "live": [0, 1],
+        "pictures": [0, 3],
+        "recursion": [0],
+    }
     assert {name: places for name, places in running.items() if places} == expected
     assert [block.needs for block in found["chains"]] == [[], [0], [0]]
     assert runnable.marked(GUIDES["chains"].text).count('<div class="program"') == 3

@@ -20,9 +20,9 @@ from pymunk_dragon.errors import DragonError, MissingExtraError
 from pymunk_dragon.lessons import LESSONS, Lesson, play, record, write_lessons
 from pymunk_dragon.lessons._framework import lesson, page
 from pymunk_dragon.lessons._framework.lesson import blocks
-from pymunk_dragon.lessons._framework.markup import html, plain
 from pymunk_dragon.lessons._framework.notebook import make_notebook
 from pymunk_dragon.lessons._framework.page import make_page
+from pymunk_dragon.web.markup import html, plain
 
 LANGUAGES = ("en", "zh")
 SECTIONS = ["Title", "Question", "Answer", "Check", "Try", "Change", "Teacher"]
@@ -122,6 +122,19 @@ def test_each_lesson_has_all_sections_in_both_languages_with_the_same_choices_an
                     line
                 )
                 assert not re.search(r"[\\${}]", re.sub("`[^`]*`", "", plain(line))), line
+
+
+def test_few_words_stand_before_a_stage_and_the_reason_behind_it_is_short():
+    for name, each in LESSONS.items():
+        before = {
+            language: f"{each.sections(language)['Question']} {each.guess(language)}"
+            for language in LANGUAGES
+        }
+        assert len(each.guesses()) == 1, name
+        assert len(re.sub(r"^- ", "", before["en"], flags=re.MULTILINE).split()) <= 40, name
+        assert len(re.sub(r"^- |[\s`*]", "", before["zh"], flags=re.MULTILINE)) <= 80, name
+        reason = re.sub(r"^- ", "", each.sections()["Answer"], flags=re.MULTILINE)
+        assert len(reason.split()) <= 120, name
 
 
 @pytest.mark.thorough

@@ -7,16 +7,18 @@ import re
 import shlex
 import sys
 from contextlib import redirect_stdout
+from dataclasses import replace
 from importlib import import_module
 from io import StringIO
 from pathlib import Path
 from pkgutil import walk_packages
 
 import pytest
-from documents import CHINESE, DOCUMENTS, README, ROOT
+from documents import CHINESE, DOCUMENTS, GUIDES, README, ROOT
 from PIL import Image
 
 import pymunk_dragon
+from pymunk_dragon import first_contact
 from pymunk_dragon.cli import command, status
 from pymunk_dragon.sessions import Live
 
@@ -67,6 +69,8 @@ def test_snippets_run_and_print_what_they_say(document, tmp_path, monkeypatch, c
         out = capsys.readouterr().out
         if shown:
             assert_same_words_and_numbers(out, shown, MEASURED, 2e-3)
+        if document.name == "recursion":
+            assert out == shown
         if "near_misses" in snippet:
             assert "[ 5.79920903 -5.77109234]" in out
             assert "412.4738376821" in out
@@ -75,6 +79,27 @@ def test_snippets_run_and_print_what_they_say(document, tmp_path, monkeypatch, c
         if (ROOT / "renders" / path.name).exists():
             with Image.open(path) as picture:
                 golden(picture, str(ROOT / "renders" / path.stem), share=PILE_SHARE)
+
+
+def test_sixty_lines_without_the_package_print_its_numbers(seed_march):
+    [(program, shown)] = GUIDES["recursion"].snippets
+    assert program.count("\n") <= 60
+    assert re.findall(r"^(?:import|from) .*", program, re.MULTILINE) == ["import numpy as np"]
+    *states, contact = shown.splitlines()
+    now = seed_march.at(300.0)
+    for row, handle in zip(states, seed_march.dragon.representatives, strict=True):
+        x, y = now.positions[0, handle]
+        speed = now.speeds[0, handle]
+        assert row == f"300 s, handle {handle}: ({x:.6f}, {y:.6f}) m, {speed:.6f} m/s"
+    hit = first_contact(seed_march)
+    assert contact == f"benches [{hit.benches[0]} {hit.benches[1]}] touch at {hit.time:.9f} s"
+
+
+def test_the_contact_that_sixty_lines_miss_is_the_first(seed_march):
+    wide = replace(seed_march, dragon=replace(seed_march.dragon, width=0.301))
+    text = GUIDES["recursion"].text
+    for start in (0.0, 411.0):
+        assert f"{first_contact(wide, start=start).time:.9f} s" in text
 
 
 @pytest.mark.thorough

@@ -248,6 +248,25 @@ def test_run_is_compared_with_the_exact_contact_if_a_guide_kept_it_on_its_path(s
     assert "The same benches" not in said
 
 
+def test_headline_tells_the_engines_time_of_contact_from_the_exact_one(small_run):
+    found = summarize(small_run)
+    engines, exact = small_run.first_contact.time, found.exact_contact.time
+    assert abs(engines - exact) > 1e-6
+    for language in ("en", "zh"):
+        with in_language(language):
+            assert f"{engines:.6f} s" in document.headline(found)
+            told = document.subtitle(found)
+            assert f"{engines:.6f} s" in told
+            assert f"{exact:.9f} s" in told
+            [table] = document.sections(found)[0].tables.values()
+            times = [value for _, value in table.rows if value.endswith(" s")]
+            assert times[:2] == [f"{engines:.6f} s", f"{exact:.9f} s"]
+    # A run of the exact model, one off the path and one with another contact have no such error.
+    other = replace(small_run, first_contact=replace(small_run.first_contact, benches=(0, 9)))
+    for run in (Run.exact(SMALL, [79.0, 83.0]), RUNS["nobody on the path"](small_run), other):
+        assert f"{exact:.9f}" not in document.subtitle(summarize(run))
+
+
 def test_csv_brings_every_number_back(small_run, written):
     _, miss, *rows = csv.reader(
         io.StringIO(written("contact and after", ".csv").read_bytes().decode(), newline="")

@@ -65,6 +65,7 @@ EACH_MESSAGE = [
     {"do": "remove", "obstacle": 1},
     {"do": "press", "name": "a", "down": True},
     {"do": "pointer", "x": 0.0, "y": 1.0, "kind": "down", "button": 1},
+    {"do": "click", "x": 0.0, "y": 1.0, "button": 2},
     {"do": "wheel", "right": 0.0, "up": 1.0},
     {"do": "contacts", "value": "stop"},
     {"do": "release", "bench": 2},

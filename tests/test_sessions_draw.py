@@ -10,7 +10,7 @@ import numpy as np
 import pymunk
 import pytest
 from conftest import assert_says
-from live_sessions import Listener, decoded, played
+from live_sessions import KINDS, Listener, all_calls, decoded, played
 from PIL import Image
 
 from pymunk_dragon import Button, Key, ParameterError, PygameEvents, Slider, live
@@ -19,8 +19,6 @@ from pymunk_dragon.sessions.scene import PlaySettings, Scene
 from pymunk_dragon.sessions.scenes import space_scene
 
 RED = (255, 0, 0, 255)
-# Numbers of a call before its points: kind, points, radius, angle, fill, outline, grip.
-HEAD = 7
 
 
 class Viewer(Listener):
@@ -28,8 +26,9 @@ class Viewer(Listener):
 
     frame = None
 
-    def show(self, frame):
+    def show(self, frame, outlines):
         """Decode a frame."""
+        self.outlines = outlines
         self.frame = decoded(frame)
 
 
@@ -47,17 +46,11 @@ def shown(on, viewer):
     viewer.frame = None
     while viewer.frame is None:
         on.settle()
-    frame = viewer.frame
-    calls, k = [], 0
-    numbers = frame.calls.tolist()
-    while k < len(numbers):
-        kind, count, radius, _, fill, outline, grip = numbers[k : k + HEAD]
-        end = k + HEAD + 2 * int(count)
-        points = np.reshape(numbers[k + HEAD : end], (-1, 2)).tolist()
-        line = None if outline < 0 else tuple(frame.colours[int(outline)])
-        calls.append((int(kind), points, radius, tuple(frame.colours[int(fill)]), line, grip))
-        k = end
-    return calls, frame.texts
+    calls = []
+    for kind, points, radius, _, fill, rim, grip in all_calls(viewer.frame, viewer.outlines):
+        line = None if rim is None else tuple(rim)
+        calls.append((KINDS.index(kind), points.tolist(), radius, tuple(fill), line, grip))
+    return calls, viewer.frame.texts
 
 
 def falling():

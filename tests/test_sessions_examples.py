@@ -15,14 +15,13 @@ import numpy as np
 import pymunk
 import pytest
 from documents import GUIDES
-from live_sessions import Listener, decoded
+from live_sessions import Listener, drawn_in
 from test_sessions_input import keep_queries
 
 from pymunk_dragon.sessions import Live
 from pymunk_dragon.sessions.scene import PlaySettings, Scene
 
 EXAMPLES = Path(pymunk.__file__).parent / "examples"
-KINDS = ("circle", "segment", "polygon", "line", "dot")
 
 
 class ReachedStepError(BaseException):
@@ -82,20 +81,10 @@ def spaces(monkeypatch):
     return found
 
 
-def received(scene):
-    """What the page gets of a scene, as `Drawn` has it, and the number of contact points."""
-    frame, calls = decoded(scene.frame({})), []
-    numbers = frame.calls.tolist()
-    while numbers:
-        kind, count, radius, angle, fill, outline, _ = numbers[:7]
-        points = np.reshape(numbers[7 : 7 + 2 * int(count)], (-1, 2))
-        rim = frame.colours[int(outline)] if outline >= 0 else None
-        name, colour = KINDS[int(kind)], frame.colours[int(fill)]
-        # A spring is one line of several parts.
-        parts = pairwise(points) if name == "line" else [points]
-        calls += [(name, part, radius, angle, colour, rim) for part in parts]
-        del numbers[: 7 + 2 * int(count)]
-    return calls, len(frame.contacts)
+def single(call):
+    """A call, or the parts of a spring, which is one line of several parts."""
+    parts = pairwise(call[1]) if call[0] == "line" else [call[1]]
+    return [(call[0], part, *call[2:]) for part in parts]
 
 
 def in_order(calls):
@@ -110,13 +99,16 @@ def assert_drawn_alike(scene, name):
     reference = Drawn()
     scene.space.debug_draw(reference)
     reference.found = in_order(reference.found)
-    calls, contacts = received(scene)
-    calls = in_order(calls)
+    calls, frame = drawn_in(scene)
+    calls = in_order([part for call in calls for part in single(call)])
+    contacts = len(frame.contacts)
     assert len(calls) == len(reference.found), name
     for call, expected in zip(calls, reference.found, strict=True):
         assert call[0] == expected[0], name
         np.testing.assert_allclose(call[1], expected[1], rtol=1e-6, atol=1e-6, err_msg=name)
-        np.testing.assert_allclose(call[2:4], expected[2:4], rtol=1e-6, err_msg=name)
+        np.testing.assert_allclose(call[2], expected[2], rtol=1e-6, err_msg=name)
+        turned = math.remainder(float(call[3]) - expected[3], math.tau)
+        assert abs(turned) < 1e-6, name
         assert [call[4], call[5]] == [
             None if each is None else list(each) for each in expected[4:]
         ], name

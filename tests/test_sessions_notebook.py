@@ -98,7 +98,8 @@ def watched(source="pendulum"):
 
         def send(content, buffers=()):
             widget.texts += [json.loads(content["text"])] if "text" in content else []
-            widget.frames += [(content["frame"], decoded(bytes(each))) for each in buffers]
+            if "frame" in content:
+                widget.frames += [(content["frame"], decoded(bytes(each))) for each in buffers]
 
         widget.send = send
         yield on, widget

@@ -29,7 +29,7 @@ class Page(Listener):
         super().__init__(session, [])
         self.frames = []
 
-    def show(self, frame):
+    def show(self, frame, outlines):
         self.frames.append(decoded(frame))
 
     def texts(self, kind):

@@ -12,7 +12,7 @@ import pytest
 import test_publish
 from browser import needs_browser, opened, wait_until
 from conftest import refusal
-from live_sessions import PATIENCE, Listener, decoded, greeting, played, served
+from live_sessions import PATIENCE, Listener, all_calls, decoded, drawn_in, greeting, played, served
 
 from pymunk_dragon import live
 from pymunk_dragon.publish.program import read_program
@@ -44,9 +44,10 @@ def scene_of(build, **settings):
     return source_of(build, PlaySettings(**settings)).build({})
 
 
-def corners(frame):
-    """Corners of the box, which is all that the frame has."""
-    return frame.calls[7:].reshape(-1, 2)
+def corners(scene):
+    """Corners of the box, which is all that a frame has."""
+    [(_, points, *_)], _ = drawn_in(scene)
+    return points
 
 
 @pytest.mark.parametrize("at", [(0.0, 0.0), UTM, (-1e8, 3e7)])
@@ -61,7 +62,7 @@ def test_frame_has_corners_to_a_millionth_of_the_view_wherever_and_however_large
     [body] = scene.space.bodies
     [shape] = body.shapes
     expected = [body.local_to_world(corner) for corner in shape.get_vertices()]
-    found = corners(decoded(scene.frame({})))
+    found = corners(scene)
     assert np.abs(found - expected).max() <= 1e-6 * width
 
 
@@ -111,8 +112,8 @@ def test_view_follows_a_body_or_a_point_while_it_moves(follow):
 class Watcher(Listener):
     """A client that keeps frames."""
 
-    def show(self, frame):
-        self.told.append({"kind": "frame", "frame": decoded(frame)})
+    def show(self, frame, outlines):
+        self.told.append({"kind": "frame", "frame": decoded(frame), "outlines": outlines})
 
 
 def failing(space):
@@ -142,9 +143,10 @@ def test_session_pauses_with_file_and_line_where_what_it_follows_is_no_place(fol
     *_, error = [each for each in told if each["kind"] == "error"]
     assert "test_sessions_view.py, line " in error.get("place", error["text"])
     # The picture is shown all the same.
-    frames = [each["frame"] for each in told if each["kind"] == "frame"]
-    assert [each.focus for each in frames[-2:]] == [None, None]
-    assert len(corners(frames[-1])) == 4
+    *_, before, last = [each for each in told if each["kind"] == "frame"]
+    assert [each["frame"].focus for each in (before, last)] == [None, None]
+    [(_, points, *_)] = all_calls(last["frame"], last["outlines"])
+    assert len(points) == 4
 
 
 class Builder:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -17,7 +17,11 @@ from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon._language import text
 
 # Libraries that write formats, by ending: a missing one is reported before the work.
-_LIBRARIES = {".xlsx": "xlsxwriter"} | dict.fromkeys((".png", ".svg", ".pdf"), "matplotlib")
+_LIBRARIES: dict[str, Sequence[str]] = {
+    ".xlsx": ("xlsxwriter",),
+    ".html": ("jinja2", "latex2mathml", "matplotlib"),
+    **dict.fromkeys((".png", ".svg", ".pdf"), ("matplotlib",)),
+}
 # Steps of a progress bar.
 _STEPS = 1000
 
@@ -30,7 +34,7 @@ def destination_of(output: str | None, endings: Iterable[str]) -> Path | None:
     if output is None:
         return None
     path = check_destination(output, endings)
-    if needed := _LIBRARIES.get(path.suffix.lower()):
+    for needed in _LIBRARIES.get(path.suffix.lower(), ()):
         library(needed)
     return path
 

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from math import isfinite
 from pathlib import Path
-from typing import Any
 
 import click
 
@@ -21,7 +20,7 @@ from pymunk_dragon.cli.options import (
 )
 from pymunk_dragon.cli.output import destination_of, print_result, wants_json, write_result
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.model.march import March
+from pymunk_dragon.model.march import March, States
 
 # The times of the paper's tables.
 _TABLE_TIMES = "0:300:60"
@@ -29,7 +28,12 @@ _TABLE_TIMES = "0:300:60"
 _MAX_TABLE = 20_000_000
 
 
-@command("", "--times 0,60,120 --handles 0,1,223", "--times 0:300:1 -o result1.xlsx")
+@command(
+    "",
+    "--times 0,60,120 --handles 0,1,223",
+    "--times 0:300:1 -o result1.xlsx",
+    "-o table.tex",
+)
 @scenario_options
 @click.option(
     "--times",
@@ -43,7 +47,7 @@ _MAX_TABLE = 20_000_000
     is_flag=True,
     help="Print the paper's tables 1 to 3 instead, cut as the paper cuts them.",
 )
-@output_option(".csv, .json, or .xlsx for the contest's sheets with all handles")
+@output_option(".csv, .json, .tex for LaTeX, or .xlsx for the contest's sheets with all handles")
 def positions(times: str, handles: str | None, paper: bool, output: str | None) -> None:
     """Where the handles are and how fast, exactly."""
     march = chosen_march()
@@ -71,28 +75,33 @@ def _answer(march: March, times: str, handles: str | None, output: str | None) -
     if len(at) * count > _MAX_TABLE:
         raise ParameterError("times", times, f"at most {_MAX_TABLE // count} for this dragon")
 
-    path = destination_of(output, (".csv", ".json", ".xlsx"))
+    path = destination_of(output, (".csv", ".json", ".tex", ".xlsx"))
     if handles is not None and path is not None and path.suffix.lower() == ".xlsx":
         rest = "leave out --handles, or write .csv or .json"
         raise click.UsageError(f"the contest's sheets have all handles: {rest}")
 
     states = march.at(at)
     result = states.to_dict(selected)
-    write_result(path, result, lambda path: _write(path, march, at, states.rows(selected)))
+    write_result(path, result, lambda path: _write(path, march, states, selected))
     if path is None or wants_json():
         print_result(result, states.text(selected))
 
 
-def _write(path: Path, march: March, times: list[float], rows: Iterable[Sequence[Any]]) -> None:
-    """Write the contest's sheets, or a table as CSV."""
-    if path.suffix.lower() == ".xlsx":
+def _write(path: Path, march: March, states: States, handles: Sequence[int]) -> None:
+    """Write the contest's sheets, tables for LaTeX, or a table as CSV."""
+    ending = path.suffix.lower()
+    if ending == ".xlsx":
         from pymunk_dragon.reports import write_tables
 
-        write_tables(march, times, path)
+        write_tables(march, states.times, path)
+    elif ending == ".tex":
+        from pymunk_dragon.reports import write_latex
+
+        write_latex(states, handles, path)
     else:
         head = ("time_s", "handle", "x_m", "y_m", "speed_m_s")
         with written_in_place(path) as draft, draft.open("w", newline="", encoding="utf-8") as file:
-            csv.writer(file).writerows([head, *rows])
+            csv.writer(file).writerows([head, *states.rows(handles)])
 
 
 def _handles(given: str, last: int) -> list[int]:

@@ -40,12 +40,13 @@ def _options() -> Iterator[Callable[[F], F]]:
             yield click.option(flags, name, type=kind, metavar=metavar, default=None, help=about)
 
 
-@command("", "min-pitch", "u-turn -o turn.png", "max-speed --limit 1.5")
+@command("", "min-pitch", "u-turn -o turn.png", "max-speed --limit 1.5", "paper -o answers.html")
 @click.argument("name", metavar="[STUDY]", required=False, type=click.Choice(list(STUDIES)))
 @scenario_options
 @option_group(*_options())
 @output_option(
-    ".json, .png, .svg or .pdf for a picture of the answer, or .xlsx for sheets of the contest"
+    ".json, .png, .svg or .pdf for a picture of the answer, .xlsx for sheets of the contest, or "
+    ".html for a page"
 )
 def study(name: str | None, output: str | None, **options: float | bool | None) -> None:
     """Run a study of many marches.
@@ -79,8 +80,13 @@ def _values(name: str, options: dict[str, Any]) -> dict[str, Any]:
 
 
 def _write(found: Any, path: Path) -> None:
-    """Write sheets of the contest, or the figure."""
-    if path.suffix.lower() == ".xlsx":
+    """Write sheets of the contest, a page, or the figure."""
+    ending = path.suffix.lower()
+    if ending == ".html":
+        from pymunk_dragon.reports.paper import write_paper
+
+        write_paper(found, path)
+    elif ending == ".xlsx":
         from pymunk_dragon.reports import write_tables
 
         write_tables(found.march, found.times, path)

@@ -61,7 +61,7 @@ from itertools import chain, pairwise
 from typing import Any
 
 import pymunk
-from PIL import Image, ImageColor, ImageDraw, ImageOps
+from PIL import Image, ImageChops, ImageColor, ImageDraw, ImageOps
 from pymunk.space_debug_draw_options import SpaceDebugColor as Colour
 
 from pymunk_dragon._checks import finite, flag, instance
@@ -206,8 +206,8 @@ class PillowDrawOptions(DrawRecorder):
     Parameters
     ----------
     image : PIL.Image.Image
-        Target image, in mode RGB; an attribute that can be set, for example to the next frame of a
-        film.
+        Target image, in mode RGB or RGBA; an attribute that can be set, for example to the next
+        frame of a film. An image in mode RGBA may be transparent; it takes twice the time.
     positive_y_is_up : bool
         Whether y increases upwards from the image's lower edge. If False, y increases downwards
         from the upper edge as in `pymunk.pygame_util`.
@@ -235,8 +235,8 @@ class PillowDrawOptions(DrawRecorder):
         self, image: Image.Image, *, positive_y_is_up: bool = False, line_width: float = 1.0
     ) -> None:
         super().__init__()
-        if instance("image", image, Image.Image, "a PIL.Image.Image").mode != "RGB":
-            raise ParameterError("image", image, "a PIL.Image.Image in mode RGB")
+        if instance("image", image, Image.Image, "a PIL.Image.Image").mode not in ("RGB", "RGBA"):
+            raise ParameterError("image", image, "a PIL.Image.Image in mode RGB or RGBA")
         self.image = image
         self.positive_y_is_up = flag("positive_y_is_up", positive_y_is_up)
         # Pillow draws a line of one drawn pixel step by step, however long the line is; a wide one
@@ -269,7 +269,21 @@ class PillowDrawOptions(DrawRecorder):
         super().__exit__(*raised)
         if raised[1] is not None:
             return
-        canvas = ImageOps.scale(self.image, _SAMPLES, Image.Resampling.NEAREST)
+        if self.image.mode == "RGB":
+            self.image.paste(self._painted(self.image))
+            return
+        size = self.image.size
+        black = self._painted(Image.new("RGB", size, "black"))
+        white = self._painted(Image.new("RGB", size, "white"))
+        # A ground shows as far as what is drawn is transparent; on black, colours are multiplied
+        # by their alpha.
+        ground = ImageChops.subtract(white, black).getchannel("G")
+        layer = Image.merge("RGBa", (*black.split(), ImageChops.invert(ground)))
+        self.image.alpha_composite(layer.convert("RGBA"))
+
+    def _painted(self, image: Image.Image) -> Image.Image:
+        """An image in mode RGB with what was recorded."""
+        canvas = ImageOps.scale(image, _SAMPLES, Image.Resampling.NEAREST)
         view = pymunk.Transform.scaling(_SAMPLES) @ self.transform
         if self.positive_y_is_up:
             view = pymunk.Transform(1, 0, 0, -1, 0, canvas.height) @ view
@@ -277,7 +291,7 @@ class PillowDrawOptions(DrawRecorder):
         draw = ImageDraw.Draw(canvas, "RGBA")
         for call in self.calls:
             _paint(draw, view, _SAMPLES * self.line_width, call)
-        self.image.paste(canvas.reduce(_SAMPLES))
+        return canvas.reduce(_SAMPLES)
 
 
 def extent(space: pymunk.Space) -> pymunk.BB:
@@ -389,7 +403,9 @@ def _paint(draw: ImageDraw.ImageDraw, view: pymunk.Transform, line: float, call:
     draw.polygon(_ring(edge, outer, inner, width), outline)
     if call.name == "circle":
         centre = pymunk.Vec2d(*call.points[0])
-        tip = view @ (centre + pymunk.Vec2d.from_polar(call.radius, call.angle))
+        heading = view @ (centre + pymunk.Vec2d.from_polar(call.radius, call.angle)) - points[0]
+        # A stretched circle is drawn as a circle.
+        tip = points[0] + heading.scale_to_length(radius)
         _paint_line(draw, points[0], tip, width, outline)
 
 

@@ -244,6 +244,9 @@ class Contacts:
         self._ratio = 1.0
         # Pairs after the steps before the last one, the latest at the end.
         self._before: deque[tuple[Array, Any]] = deque()
+        # The bodies of the space by age, and numbers, which take long to read.
+        self._bodies: list[pymunk.Body] = []
+        self._ids = np.array([], np.uintp)
 
     def before_step(self, length: float) -> None:
         """Read what the next step, which takes `length` s, overwrites."""
@@ -293,18 +296,26 @@ class Contacts:
         """Pairs without those that sleep, which Pymunk may list, and does not draw."""
         if math.isinf(self._space.sleep_time_threshold):
             return pairs, flags
-        asleep = [body.id for body in self._space.bodies if body.is_sleeping]
-        awake = ~np.isin(flags[:, :2], np.array(asleep, np.uintp)).any(axis=1)
+        asleep = self._numbers()[1:][[body.is_sleeping for body in self._bodies]]
+        awake = ~np.isin(flags[:, :2], asleep).any(axis=1)
         return pairs[awake], flags[awake]
+
+    def _numbers(self) -> Any:
+        """Numbers (1 + B,) of the space's own body and the others, by age."""
+        bodies = list(self._space.bodies)
+        if bodies != self._bodies or not self._ids.size:
+            self._bodies = bodies
+            everybody = [self._space.static_body, *bodies]
+            self._ids = np.array([body.id for body in everybody], np.uintp)
+        return self._ids
 
     def _signs(self, flags: Any) -> Array:
         """1 for pairs (P,) whose first body is the older one, otherwise -1."""
-        ages = {body.id: age for age, body in enumerate(self._space.bodies)}
-        signs = [
-            1.0 if ages.get(first, -1) <= ages.get(second, -1) else -1.0
-            for first, second in flags[:, :2].tolist()
-        ]
-        return np.array(signs)
+        ids = self._numbers()
+        order = np.argsort(ids)
+        ages = order[np.searchsorted(ids[order], flags[:, :2])]
+        signs: Array = np.where(ages[:, 0] <= ages[:, 1], 1.0, -1.0)
+        return signs
 
     def _impulses(self, pairs: Array, flags: Any) -> Array:
         """Sizes (P,) of the impulses of pairs in the last step."""
@@ -478,26 +489,23 @@ def energies(space: pymunk.Space) -> dict[str, float]:
     """
     dynamic = [body for body in space.bodies if body.body_type == pymunk.Body.DYNAMIC]
     moving = [body for body in dynamic if not body.is_sleeping]
-    kinetic = math.fsum(map(_kinetic_energy, moving))
-    potential = -math.fsum(body.mass * centre_of_mass(body).dot(space.gravity) for body in dynamic)
-    elastic = math.fsum(map(_elastic_energy, space.constraints))
+    rows = [(body.mass, body.moment, *body.velocity, body.angular_velocity) for body in moving]
+    masses, moments, across, up, spins = np.array(rows).reshape(-1, 5).T
+    moments[np.isinf(moments)] = 0.0
+    kinetic = math.fsum(masses * (across**2 + up**2) + moments * spins**2) / 2
+    momentum = math.hypot(masses @ across, masses @ up)
 
-    momentum = pymunk.Vec2d.zero()
-    for body in moving:
-        momentum += body.mass * body.velocity
-    values = kinetic, kinetic + potential + elastic, momentum.length
+    # Read once: each body would take it anew.
+    gravity = space.gravity
+    potential = -math.fsum(body.mass * centre_of_mass(body).dot(gravity) for body in dynamic)
+    elastic = math.fsum(map(_elastic_energy, space.constraints))
+    values = kinetic, kinetic + potential + elastic, momentum
     return dict(zip(QUANTITIES, values, strict=True))
 
 
 def centre_of_mass(body: pymunk.Body) -> pymunk.Vec2d:
     """Centre of mass of a body in the world."""
     return body.local_to_world(body.center_of_gravity)
-
-
-def _kinetic_energy(body: pymunk.Body) -> float:
-    """Kinetic energy of a body; Pymunk's own leaves out the half."""
-    rotation = body.moment * body.angular_velocity**2 if math.isfinite(body.moment) else 0.0
-    return (body.mass * body.velocity.length_squared + rotation) / 2
 
 
 def _elastic_energy(joint: pymunk.Constraint) -> float:

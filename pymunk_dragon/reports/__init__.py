@@ -17,6 +17,7 @@ follows the first one. `make report` makes [such a report](renders/report.html).
 
 from pymunk_dragon.reports.contest_tables import paper_tables, write_contact_table, write_tables
 from pymunk_dragon.reports.formats import FORMATS, report
+from pymunk_dragon.reports.latex import write_latex
 from pymunk_dragon.reports.summary import Summary, summarize
 
 __all__ = [
@@ -26,5 +27,6 @@ __all__ = [
     "report",
     "summarize",
     "write_contact_table",
+    "write_latex",
     "write_tables",
 ]

@@ -123,7 +123,25 @@ def subtitle(summary: Summary) -> str:
         played = text("pulled without a guide, by the exact model")
     speed = _speed(scenario["speed"])
     template = text("A dragon of {benches} benches at {speed} on a {curve}, {player}")
-    return template.format(benches=scenario["benches"], speed=speed, curve=curve, player=played)
+    line = template.format(benches=scenario["benches"], speed=speed, curve=curve, player=played)
+    if times := _contact_times(summary):
+        both = text("; {engine} is the engine's time of contact, {exact} the exact one")
+        engine, exact = times
+        line += both.format(engine=_number(engine, 6, " s"), exact=_number(exact, 9, " s"))
+    return line
+
+
+def _contact_times(summary: Summary) -> tuple[float, float] | None:
+    """Times of the first contact in the engine and in the exact model, s.
+
+    None unless all benches were guided to the same contact: the difference is then an error.
+    """
+    run = summary.run
+    contact = run.first_contact
+    exact = summary.exact_contact
+    if not (run.guide and run.free_from is None and contact and exact):
+        return None
+    return (contact.time, exact.time) if contact.benches == exact.benches else None
 
 
 def sections(summary: Summary) -> list[Section]:
@@ -161,10 +179,14 @@ def _first_contact(summary: Summary) -> Section:
     """First contact of the run, and its comparison with the exact model."""
     contact = summary.run.first_contact
     tables = {}
+    exact_time = []
+    if times := _contact_times(summary):
+        exact_time.append((text("Time in the exact model"), _number(times[1], 9, " s")))
     if contact is not None:
         rows = [
             (text("Benches that touch"), _pair(contact.benches)),
             (text("Time"), _number(contact.time, 6, " s")),
+            *exact_time,
             (text("Point"), f"{_vector(contact.point, 6)} m"),
             (text("Normal, from the first to the second"), _vector(contact.normal, 6)),
         ]
@@ -183,13 +205,17 @@ def _near_misses(misses: Sequence[NearMiss]) -> Section:
         "Small local minima of the distance between benches that are not neighbours, "
         "in the exact model."
     )
+    return Section("near-misses", text("Near misses"), note, {"": near_miss_table(misses)})
+
+
+def near_miss_table(misses: Sequence[NearMiss]) -> Table:
+    """Table of near misses."""
     rows = []
     for miss in misses[:_MAX_ROWS]:
         gap = _number(miss.gap, 3, scale=1e3)
         rows.append([_number(miss.time, 4), _pair(miss.benches), gap])
     heads = ("time (s)", "benches", "gap (mm)")
-    tables = _cut(heads, rows, len(misses), left=(1,))
-    return Section("near-misses", text("Near misses"), note, tables)
+    return _cut(heads, rows, len(misses), left=(1,))[""]
 
 
 def _windows(windows: Sequence[ContactWindow]) -> Section:
@@ -235,16 +261,14 @@ def _comparison(summary: Summary) -> str:
     run = summary.run
     exact = summary.exact
     contact = run.first_contact
-    true_contact = summary.exact_contact
     notes = [] if contact else [text("None in this run.")]
     if run.free_from == 1:
         notes.append(text("No guide kept this dragon on its path."))
     elif run.free_from is not None:
         free = text("No guide kept the benches from {bench} to the tail on the path.")
         notes.append(free.format(bench=run.free_from))
-    elif run.guide and contact and true_contact and contact.benches == true_contact.benches:
-        # All benches were guided to the same contact, so that its time is an error of the engine.
-        late = 1e3 * (contact.time - true_contact.time)
+    elif times := _contact_times(summary):
+        late = 1e3 * (times[0] - times[1])
         template = text("{error} ms early") if late < 0 else text("{error} ms late")
         error = template.format(error=_number(abs(late), 3))
         same = text("The same benches touch in the exact model; the contact of the run is {error}.")
@@ -275,7 +299,7 @@ def _position_errors(summary: Summary) -> Section:
     """
     title = text("Position error")
     note = text(
-        "Distance of a bench's hole from the exact model's position, "
+        "Distance of a bench's hole from the exact model's position at the same time, "
         "for the hole with the larger distance."
     )
     if summary.run.is_pulled:

@@ -20,8 +20,7 @@ from pymunk_dragon._extras import is_installed
 from pymunk_dragon._files import check_destination, written_in_place
 from pymunk_dragon._language import language, text
 from pymunk_dragon.drawing import Camera, Film, still_png
-from pymunk_dragon.drawing.figures import figure
-from pymunk_dragon.drawing.figures.style import styled
+from pymunk_dragon.drawing.figures import figure, svg_of
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.reports import document
@@ -131,7 +130,7 @@ def _html(summary: Summary) -> str:
         text=text,
         document=document,
         summary=summary,
-        pictures=_pictures(summary.run),
+        pictures=contact_pictures(summary.run),
         chart=_chart(summary.run),
         colours=asset("pymunk_dragon.web", "assets/colours.css"),
     )
@@ -180,7 +179,7 @@ def _escaped(content: str) -> str:
     return _MARKUP.sub(r"\\\g<0>", " ".join(content.split()))
 
 
-def _pictures(run: Run) -> list[tuple[str, str]]:
+def contact_pictures(run: Run) -> list[tuple[str, str]]:
     """Captions and addresses of pictures of the head and of the whole dragon.
 
     They show the first contact, or else the end of the run.
@@ -218,8 +217,6 @@ def _chart(run: Run) -> str | None:
     if not all(map(is_installed, needed)):
         return None
 
-    svg = io.BytesIO()
-    with suppress(ParameterError), styled():
-        # Without a date, for the same bytes each time.
-        figure("drift", run).savefig(svg, format="svg", metadata={"Date": None})
-    return data_address(svg.getvalue(), "image/svg+xml") if svg.tell() else None
+    with suppress(ParameterError):
+        return data_address(svg_of(figure("drift", run)), "image/svg+xml")
+    return None

@@ -26,6 +26,8 @@ class Client:
 
     session: Session
     controls = True
+    # The shapes that the page was sent last.
+    outlines = b""
 
     def take(self, text: str) -> None:
         """Take a text of the page; an answer follows if it is no message that the page may send."""
@@ -50,8 +52,11 @@ class Client:
         """Send a text to the page."""
         raise NotImplementedError
 
-    def show(self, frame: bytes) -> None:
-        """Send a picture to the page, unless it cannot take one now."""
+    def show(self, frame: bytes, outlines: bytes) -> None:
+        """Send a picture to the page, unless it cannot take one now.
+
+        The shapes in it come first if the page does not have them.
+        """
         raise NotImplementedError
 
     def stop(self) -> None:
@@ -82,6 +87,7 @@ class PostedClient(Client):
             # body.
             self.session.leave(self)
             self._drawn = self._sent
+            self.outlines = b""
             self.session.join(self)
         if isinstance(content, str):
             self.take(content)
@@ -92,11 +98,15 @@ class PostedClient(Client):
         """Post a text."""
         self.post({"text": text})
 
-    def show(self, frame: bytes) -> None:
+    def show(self, frame: bytes, outlines: bytes) -> None:
         """Post a frame, unless the page has to draw those before it."""
-        if self._sent - self._drawn < MOST_FRAMES:
-            self._sent += 1
-            self.post({"frame": self._sent}, [frame])
+        if self._sent - self._drawn >= MOST_FRAMES:
+            return
+        if outlines not in (b"", self.outlines):
+            self.outlines = outlines
+            self.post({}, [outlines])
+        self._sent += 1
+        self.post({"frame": self._sent}, [frame])
 
     def stop(self) -> None:
         """Have the page say that the session has ended."""

@@ -56,7 +56,7 @@ class Draw:
     def __init__(self) -> None:
         self.calls: list[DrawCall] = []
         # Middles, texts, sizes and colours.
-        self.texts: list[tuple[float, float, str, float, Colour]] = []
+        self.texts: list[tuple[float, float, str, float, Colour | None]] = []
         self.trails: dict[pymunk.Body | int, deque[_Point]] = {}
         # Those of the picture before.
         self.before: _Trails = {}
@@ -190,7 +190,7 @@ class Draw:
         self._line(points, color)
 
     def text(
-        self, point: _Point, text: str, *, size: float = 14, color: _ColourLike = _COLOUR
+        self, point: _Point, text: str, *, size: float = 14, color: _ColourLike | None = None
     ) -> None:
         """Write a text.
 
@@ -202,8 +202,8 @@ class Draw:
             The text, in one line or several.
         size : float
             Size of the letters, pixels, up to 200.
-        color : color
-            Colour of the letters.
+        color : color, optional
+            Colour of the letters; by default that of the page's texts, light or dark.
 
         Raises
         ------
@@ -217,7 +217,8 @@ class Draw:
         self._count()
         size = positive("size", size, _MAX_SIZE, "pixels")
         place = _point("point", point)
-        self.texts.append((*place, label("text", text), size, colour("color", color)))
+        ink = None if color is None else colour("color", color)
+        self.texts.append((*place, label("text", text), size, ink))
 
     def _line(self, points: Iterable[_Point], color: _ColourLike) -> None:
         """Record a line."""

@@ -31,6 +31,7 @@ from pymunk_dragon.physics.substep import next_length
 from pymunk_dragon.sessions.controls import Button, Key, PygameEvents, Slider, slider_around
 from pymunk_dragon.sessions.draw import Draw
 from pymunk_dragon.sessions.joints import joint_calls
+from pymunk_dragon.sessions.outlines import Outlines
 from pymunk_dragon.web.frames import in_binary, packed
 
 # Largest acceleration of a body by the hand, m/s^2, as in Box2D's testbed.
@@ -99,6 +100,9 @@ class Scene:
         self._held: pymunk.PivotJoint | None = None
         self._recorder = DrawRecorder()
         self._recorder.flags = DrawRecorder.DRAW_SHAPES
+        self._outlines = Outlines(space)
+        # The shapes of the last frame, as a page gets them before; none of a dragon.
+        self.outlines = b""
         self._readings = Readings(space)
         # What `on_draw` drew last.
         self._drawing = Draw()
@@ -418,17 +422,22 @@ class Scene:
 
     def _parts(self) -> tuple[dict[str, Any], dict[str, Array]]:
         """Parts of the header and arrays of a frame."""
-        recorder = self._recorder
-        self.space.debug_draw(recorder)
+        poses = self._outlines.poses()
+        self.outlines = self._outlines.frame
+
         drawn = [*self.space.constraints]
         rows = self._readings.joints(drawn)
-        of_joints = joint_calls(drawn, rows[:, :4], recorder.constraint_color)
-        calls, colours = packed([*recorder.calls, *of_joints, *self._drawing.calls], grip)
+        of_joints = joint_calls(drawn, rows[:, :4], self._recorder.constraint_color)
+        calls, colours = packed([*of_joints, *self._drawing.calls], grip)
+
         with_forces = set(self.joints())
-        joints = rows[np.array([each in with_forces for each in drawn], bool)]
-        contacts = self._readings.contacts()
-        header = {"colours": colours, "texts": self._drawing.texts}
-        return header, {"calls": calls, "joints": joints, "contacts": contacts}
+        arrays = {
+            "bodies": poses,
+            "calls": calls,
+            "joints": rows[np.array([each in with_forces for each in drawn], bool)],
+            "contacts": self._readings.contacts(),
+        }
+        return {"colours": colours, "texts": self._drawing.texts}, arrays
 
 
 def _written_at(function: Callable[..., object]) -> str:

@@ -78,8 +78,11 @@ class _Client(Client):
         """Send a text."""
         self._call(self._put, object(), partial(self._connection.send_str, text))
 
-    def show(self, frame: bytes) -> None:
+    def show(self, frame: bytes, outlines: bytes) -> None:
         """Send a frame, unless a newer one comes before this client takes it."""
+        if outlines not in (b"", self.outlines):
+            self.outlines = outlines
+            self._call(self._put, "outlines", partial(self._connection.send_bytes, outlines))
         self._call(self._put, "frame", partial(self._connection.send_bytes, frame))
 
     def stop(self) -> None:

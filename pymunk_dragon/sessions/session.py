@@ -373,7 +373,7 @@ class Session:
             finally:
                 frame = self.scene.frame(header)
                 for client in self.clients:
-                    client.show(frame)
+                    client.show(frame, self.scene.outlines)
         self.clock.frame_was_made()
 
     def _tell_events(self, now: float) -> None:

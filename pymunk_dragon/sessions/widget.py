@@ -68,12 +68,12 @@ class LiveWidget(PostedClient, AnyWidget):
         self.on_msg(self._receive, remove=True)
         super().stop()
 
-    def show(self, frame: bytes) -> None:
+    def show(self, frame: bytes, outlines: bytes) -> None:
         """Send a frame, unless the page has to draw those before it."""
         if perf_counter() - self._heard > SILENCE:
             self.session.leave(self)
         else:
-            super().show(frame)
+            super().show(frame, outlines)
 
     def post(self, content: dict[str, Any], buffers: Sequence[bytes] = ()) -> None:
         """Send in the context of the page's newest message.

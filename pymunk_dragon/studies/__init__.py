@@ -51,6 +51,13 @@ The contest's own sheets are written by `positions --times 0:300:1 -o result1.xl
 - **The sensitivity.** `study sensitivity` prints how much a millimetre of each size moves the first
   contact and the smallest pitch, from central differences of the exact answers.
 
+## All of it on a page
+
+`study paper -o answers.html` writes one page with all five answers as a paper has them: figures,
+the derivation in formulas, where each certificate comes from, and errors and sensitivities in a
+table (`pip install 'pymunk-dragon[demos]'`). It opens without a network and prints on A4; `--lang
+zh` writes it in Chinese. `positions -o table.tex` writes the tables of question 1 for LaTeX.
+
 ![The head touches the bench that it passes, at the smallest pitch](renders/figures/min-pitch.png)
 
 ![The turn on two arcs, and the shortest one found](renders/figures/u-turn.png)
@@ -71,6 +78,7 @@ from collections.abc import Mapping
 from pymunk_dragon.studies._study import Result, Study
 from pymunk_dragon.studies.max_speed import MaxSpeed, max_speed
 from pymunk_dragon.studies.min_pitch import MinPitch, min_pitch
+from pymunk_dragon.studies.paper import Paper, paper
 from pymunk_dragon.studies.sensitivity import Sensitivity, sensitivity
 from pymunk_dragon.studies.u_turn import TurnResult, u_turn
 
@@ -78,12 +86,14 @@ __all__ = [
     "STUDIES",
     "MaxSpeed",
     "MinPitch",
+    "Paper",
     "Result",
     "Sensitivity",
     "Study",
     "TurnResult",
     "max_speed",
     "min_pitch",
+    "paper",
     "sensitivity",
     "u_turn",
 ]
@@ -99,6 +109,12 @@ _STUDIES = (
         summary="largest speed of the head in the U-turn (question 5)",
         run=max_speed,
         flags={"limit": ("M/S", "no handle shall be faster, m/s.  [2]")},
+    ),
+    Study(
+        name="paper",
+        summary="all five answers, with errors and sensitivities, as a page",
+        run=paper,
+        formats=(".json", ".html"),
     ),
     Study(
         name="sensitivity",

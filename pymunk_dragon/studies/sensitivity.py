@@ -6,7 +6,7 @@ millimetre. Where other benches touch within a step, there is no derivative.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -76,6 +76,21 @@ class Sensitivity(Result):
         return [time, pitch, *table(heads, ("<13", "+10.7f", "+10.7f"), rows)]
 
 
+def with_change(dragon: Dragon, name: str, change: float) -> Dragon:
+    """The dragon with a size of all benches that have it changed, m."""
+    size: Any = (np.array(getattr(dragon, name)) + change).tolist()
+    return replace(dragon, **{name: size})
+
+
+def slopes(dragon: Dragon, value: Callable[[Dragon], float]) -> dict[str, float]:
+    """Derivatives of a value by the sizes of the benches, per m, from central differences."""
+    found = {}
+    for name in _SIZES:
+        before, after = (value(with_change(dragon, name, side)) for side in (-_STEP, _STEP))
+        found[name] = (after - before) / (2 * _STEP)
+    return found
+
+
 def sensitivity(
     dragon: Dragon | None = None,
     *,
@@ -113,8 +128,7 @@ def sensitivity(
 
     def answers(name: str, change: float) -> tuple[FirstContact, MinPitch]:
         """Both answers with a size of all benches that have it changed, m."""
-        size: Any = (np.array(getattr(dragon, name)) + change).tolist()
-        changed = replace(dragon, **{name: size})
+        changed = with_change(dragon, name, change)
         march = March(changed, Spiral(pitch=pitch), turns=turns, speed=speed)
         return first_contact(march), min_pitch(changed, turns=turns, speed=speed, radius=radius)
 

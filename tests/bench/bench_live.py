@@ -1,7 +1,7 @@
 """Live sessions: start, frame rate, delay of the mouse, many clients, memory, and WebAssembly.
 
-`python tests/bench/bench_live.py [start browser delay soak pyodide page]`; `browser`, `delay` and
-`page` need Chromium, `pyodide` and `page` what `tests/in_node.py` describes.
+`python tests/bench/bench_live.py [start browser delay lessons soak pyodide page]`; `browser`,
+`delay`, `lessons` and `page` need Chromium, `pyodide` and `page` what `tests/in_node.py` describes.
 """
 
 from __future__ import annotations
@@ -34,6 +34,7 @@ import in_node
 from browser import CHROMIUM, chromium, opened, wait_until
 from live_sessions import SocketClient, joined
 
+from pymunk_dragon.lessons import LESSONS, write_lessons
 from pymunk_dragon.publish.site import publish_program
 from pymunk_dragon.sessions import Slider, live
 from pymunk_dragon.sessions.scenes import _boxes
@@ -203,6 +204,42 @@ def delay() -> None:
         print(spread(page.evaluate("delays"), 0))
 
 
+# Lessons that are recorded and opened.
+COURSE = list(LESSONS.values())[: sized(15, 1)]
+# Seconds from the click that opens a stage to its picture, and from the first touch of its last
+# slider to the next picture.
+TOUCHED = """async (name) => {
+  const next = () => new Promise((done) => requestAnimationFrame(() => setTimeout(done)));
+  const seconds = async (act) => {
+    const begin = performance.now();
+    act();
+    await next();
+    return (performance.now() - begin) / 1000;
+  };
+  const lesson = document.getElementById(name);
+  const opened = await seconds(() => lesson.querySelector(".open-unguessed").click());
+  const slider = [...lesson.querySelectorAll(".slider input")].at(-1);
+  const touched = await seconds(() => {
+    if (slider) slider.value = (Number(slider.min) + Number(slider.max)) / 2;
+    slider?.dispatchEvent(new Event("input"));
+  });
+  return [opened, touched];
+}"""
+
+
+def lessons() -> None:
+    """Words before each stage, and seconds until it has a picture and answers a touch."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "lessons.html"
+        write_lessons(COURSE, file)
+        with chromium() as started, opened(started, file.as_uri()) as found:
+            for lesson in COURSE:
+                words = re.findall(r"[^\s-]\S*", f"{lesson.texts['Question']} {lesson.guess()}")
+                picture, touch = found.page.evaluate(TOUCHED, lesson.name)
+                print(f"{lesson.name}: {len(words)} words, picture {picture:.2f} s", end="")
+                print(f", touch {touch:.2f} s")
+
+
 # Steps and frames in Pyodide.
 STEPS = sized(500, 5)
 
@@ -314,6 +351,7 @@ BENCHMARKS = {
     "start": start,
     "browser": browser,
     "delay": delay,
+    "lessons": lessons,
     "soak": soak,
     "pyodide": pyodide,
     "page": page,

@@ -127,6 +127,14 @@ def turn(**arguments):
         return dragons.u_turn(**arguments)
 
 
+def answers(**arguments):
+    """All five answers without the work, which takes long."""
+    module = sys.modules["pymunk_dragon.studies.paper"]
+    work = dict.fromkeys(("sensitivity", "slopes", "max_speed", "u_turn"), mock.DEFAULT)
+    with mock.patch.multiple(module, **work):
+        return studies.paper(**arguments)
+
+
 FLOAT = (1.0, "number")
 WHOLE = (2, "int")
 OPTIONAL = (None, "number none")
@@ -425,6 +433,14 @@ CALLS = {
         reports.write_contact_table,
         {"march": ONE_MARCH, "impact_time": FLOAT, "path": file(".xlsx")},
     ),
+    "write_latex": (
+        reports.write_latex,
+        {
+            "states": (MARCH.at(TIMES[0]), ""),
+            "handles": ([1], "array list none"),
+            "path": file(".tex"),
+        },
+    ),
     "write_tables": (
         reports.write_tables,
         {"march": ONE_MARCH, "times": TIMES, "path": file(".xlsx")},
@@ -465,6 +481,7 @@ CALLS = {
             "progress": (FUNCTION, "function"),
         },
     ),
+    "paper": (answers, {"dragon": (DRAGON, "none"), "progress": (FUNCTION, "function")}),
     "max_speed": (
         dragons.max_speed,
         {

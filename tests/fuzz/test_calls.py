@@ -40,7 +40,7 @@ PACKAGES += [".physics", ".player", ".publish.site", ".reports", ".sessions", ".
 # Not called: errors; records that functions of the package make; base classes; and what takes other
 # functions of the package, or the arguments of Pymunk's drawing.
 RECORDS = "Contact ContactEvent ContactLog FirstContact NearMiss Separation States Sweep Summary"
-RECORDS += " Lesson MaxSpeed MinPitch TurnResult Sensitivity Recording"
+RECORDS += " Lesson MaxSpeed MinPitch TurnResult Sensitivity Paper Recording"
 OTHERS = "Curve Live PathGuide Rails PygameEvents Result Study styled_figure write_styled"
 OTHER_METHODS = (
     "draw_circle draw_dot draw_fat_segment draw_polygon draw_segment draw_shape color_for_shape"

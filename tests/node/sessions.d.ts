@@ -93,10 +93,19 @@ interface Shape {
 
 interface Call extends Shape {
   angle: number;
+  /** Distance from the first point within which all of it is. */
+  reach: number;
   fill: string;
   outline?: string;
   opaque: boolean;
   grip: number;
+}
+
+/** Shapes in the coordinates of the bodies that own them: rows of `LiveFrame.bodies`. */
+interface ShapesFrame {
+  calls: Float64Array;
+  colours?: number[][];
+  owners: Float64Array;
 }
 
 interface LiveFrame {
@@ -118,12 +127,15 @@ interface LiveFrame {
   forces: Float64Array;
   contacts: Float64Array;
   joints: Float64Array;
+  /** Poses of the space and of its bodies. */
+  bodies: Float64Array;
+  shapes: ShapesFrame;
   calls: Call[];
   texts?: DrawnText[];
 }
 
 /** A text that a program draws: x, y, the text, its size in pixels; red, green, blue, alpha. */
-type DrawnText = [number, number, string, number, [number, number, number, number]];
+type DrawnText = [number, number, string, number, [number, number, number, number] | null];
 
 interface Effort {
   number: number;

@@ -144,6 +144,14 @@ def write_styled(draw: Callable[[], Figure], path: str | Path) -> None:
         draft.write_bytes(content.getbuffer())
 
 
+def svg_of(drawn: Figure) -> bytes:
+    """A figure as SVG, the same bytes each time; for packages above."""
+    content = io.BytesIO()
+    with styled():
+        drawn.savefig(content, format="svg", metadata=_METADATA[".svg"])
+    return content.getvalue()
+
+
 def _laid_out(drawn: Figure) -> Figure:
     """Fix the layout of a figure, and its ticks.
 

@@ -14,8 +14,8 @@ from pymunk_dragon._extras import is_installed
 from pymunk_dragon._language import LANGUAGES, in_language, text
 from pymunk_dragon.errors import MissingExtraError
 from pymunk_dragon.lessons._framework.lesson import Lesson, blocks, lessons
-from pymunk_dragon.lessons._framework.markup import plain
 from pymunk_dragon.lessons._framework.recording import make_folder, picture, run
+from pymunk_dragon.web.markup import plain
 
 # Columns of English text; a terminal breaks lines of Chinese, which has no spaces.
 COLUMNS = 88

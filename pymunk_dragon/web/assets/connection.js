@@ -98,7 +98,8 @@ const CONTACT_SIZE = 5;
 const JOINT_SIZE = 6; // numbers of a joint: two ends, its force or torque, and 1 for a torque
 const CALL_HEAD = 7; // numbers of a call before its points
 
-/** @type {(buffer: ArrayBuffer) => LiveFrame} */
+// A frame, or the shapes that are drawn in the frames after it.
+/** @type {(buffer: ArrayBuffer) => any} */
 function decodeFrame(buffer) {
   const length = new DataView(buffer).getUint32(0, true);
   const header = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)));
@@ -112,19 +113,19 @@ function decodeFrame(buffer) {
     contacts: [],
     joints: [],
     calls: [],
+    bodies: [],
   };
   let offset = 4 + length;
   for (const [name, size] of Object.entries(header.sizes)) {
     frame[name] = new Float64Array(buffer, offset, size);
     offset += frame[name].byteLength;
   }
-  frame.calls = callsOf(frame);
   return frame;
 }
 
 // What Pymunk draws, as objects: kind, points, radius, angle, colours, and the grip of a hand: 2 if
 // it can hold the body, 1 where it finds nothing else (a body of sensors only), 0 if it cannot.
-/** @type {(frame: { calls: Float64Array, colours?: number[][] }) => Call[]} */
+/** @type {(frame: { calls: any, colours?: number[][] }) => Call[]} */
 function callsOf({ calls, colours = [] }) {
   const texts = colours.map(([r, g, b, a]) => `rgba(${r}, ${g}, ${b}, ${a / 255})`);
   /** @type {Call[]} */
@@ -136,10 +137,13 @@ function callsOf({ calls, colours = [] }) {
     for (let p = k + CALL_HEAD; p < k + CALL_HEAD + 2 * count; p += 2) {
       points.push([calls[p], calls[p + 1]]);
     }
+    const kind = KINDS[calls[k]];
+    const radius = calls[k + 2];
     found.push({
-      kind: KINDS[calls[k]],
+      kind,
       points,
-      radius: calls[k + 2],
+      radius,
+      reach: reachOf({ kind, points, radius }),
       angle: calls[k + 3],
       fill: texts[calls[k + 4]],
       outline: texts[calls[k + 5]],
@@ -152,6 +156,14 @@ function callsOf({ calls, colours = [] }) {
 }
 
 const KINDS = ["circle", "segment", "polygon", "line", "dot"];
+
+// Distance from the first point within which all of a shape is; the radius of a dot is in pixels.
+/** @type {(shape: Shape) => number} */
+function reachOf({ kind, points, radius }) {
+  const [[x, y]] = points;
+  const distances = points.map(([px, py]) => Math.hypot(px - x, py - y));
+  return Math.max(...distances) + (kind === "dot" ? 0 : radius);
+}
 
 /** @type {(packed: Float64Array) => Poses} */
 const posesOf = (packed) => posesFrom(packed.length / 3, (i) => packed.subarray(3 * i, 3 * i + 3));

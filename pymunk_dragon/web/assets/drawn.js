@@ -2,17 +2,26 @@
 
 const LINE_HEIGHT = 1.25; // times the size of the letters
 const TEXT_RIM = 4; // pixels, as that of other texts
+const DARK = 128; // of 255: darker letters have a light rim
 
 // The middle of a text is at its point.
 /** @type {Layer<LivePicture>} */
 function drawTexts(painter, { texts }) {
   const { context, colours, view } = painter;
-  Object.assign(context, { strokeStyle: colours.background, lineWidth: TEXT_RIM });
-  for (const [x, y, text, size, [red, green, blue, alpha]] of texts) {
+  context.lineWidth = TEXT_RIM;
+  for (const [x, y, text, size, colour] of texts) {
     const [px, py] = view.toScreen(x, y);
     const lines = text.split("\n");
     painter.setFont(`600 ${size}px`, "center", "middle");
-    context.fillStyle = `rgba(${red}, ${green}, ${blue}, ${alpha / 255})`;
+    context.fillStyle = colours.text;
+    context.strokeStyle = colours.background;
+    if (colour) {
+      const [red, green, blue, alpha] = colour;
+      context.fillStyle = `rgba(${red}, ${green}, ${blue}, ${alpha / 255})`;
+      // Readable on any ground, also on shapes.
+      const brightness = 0.3 * red + 0.59 * green + 0.11 * blue;
+      context.strokeStyle = brightness < DARK ? "white" : "black";
+    }
     lines.forEach((line, i) => {
       const below = (i - (lines.length - 1) / 2) * LINE_HEIGHT * size;
       context.strokeText(line, px, py + below);

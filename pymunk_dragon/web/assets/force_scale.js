@@ -71,8 +71,11 @@ class Scales {
   /** @type {(moment: LiveMoment, now: number) => void} */
   include({ joints, contacts }, now) {
     for (const kind of EFFORTS) this[kind].include(largestOf(effortsOf(joints, kind)), now);
-    const impulses = contacts.filter((_, k) => k % CONTACT_SIZE === CONTACT_SIZE - 1);
-    this.impulse.include(largestOf(impulses), now);
+    let largest = 0;
+    for (let k = CONTACT_SIZE - 1; k < contacts.length; k += CONTACT_SIZE) {
+      if (contacts[k] > largest) largest = contacts[k];
+    }
+    this.impulse.include(largest, now);
   }
 }
 

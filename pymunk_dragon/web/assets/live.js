@@ -45,8 +45,9 @@ class Live extends Stage {
     this.frame = NOTHING_YET;
     /** @type {Model} */
     this.model = NOTHING_YET;
-    /** @type {ArrayBuffer | null} */
+    /** @type {LiveFrame | null} */
     this.newest = NOTHING_YET;
+    this.frames = new Frames();
     /** @type {LiveMoment | null} */
     this.cachedMoment = null;
     /** @type {Parameter[]} */
@@ -113,8 +114,7 @@ class Live extends Stage {
 
   /** @type {(buffer: ArrayBuffer) => void} */
   receiveFrame(buffer) {
-    // Only frames that are drawn are decoded.
-    this.newest = buffer;
+    this.newest = this.frames.decode(buffer) ?? this.newest;
     this.requestDraw();
   }
 
@@ -231,12 +231,12 @@ class Live extends Stage {
 
   decode() {
     if (!this.newest) return;
-    const frame = decodeFrame(this.newest);
-    /** @type {ArrayBuffer | null} */
+    const frame = this.newest;
     this.newest = null;
     if (frame.generation !== this.scene?.generation) return;
     this.frame = frame;
     this.cachedMoment = null;
+    frame.calls = this.frames.callsOf(frame);
     this.charts.add(frame);
   }
 

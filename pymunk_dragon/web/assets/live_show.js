@@ -84,6 +84,7 @@ function showAbilities(live) {
   showFollow(live);
   document.body.classList.toggle("of-benches", model.benches > 0);
   element("about-given").hidden = !live.scene.given;
+  element("about-clicks").hidden = !live.scene.clicks;
   element("parameters-part").hidden = live.scene.parameters.length === 0;
   const buttons = live.scene.buttons.map((name) => {
     const onclick = () => live.send({ do: "press", name, down: true });

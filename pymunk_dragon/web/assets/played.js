@@ -15,6 +15,7 @@ const LOADED = [
 
 /** @type {Connection | null} */
 let connection = null;
+const engineFrames = new Frames();
 /** @type {Played | null} */
 let playedNow = null; // the stage that the connection serves
 
@@ -67,7 +68,7 @@ class Played {
     else if (!connection) {
       connection = new Connection({
         received: (message) => playedNow?.receive(message),
-        framed: (buffer) => playedNow?.show(decodeFrame(buffer)),
+        framed: (buffer) => playedNow?.show(engineFrames.decode(buffer)),
         changed: (open) => playedNow?.reached(open),
         loaded: (loading) => playedNow?.load(loading),
       });
@@ -140,9 +141,10 @@ class Played {
     this.lab.requestDraw();
   }
 
-  /** @type {(frame: LiveFrame) => void} */
+  /** @type {(frame: LiveFrame | null) => void} */
   show(frame) {
-    if (frame.generation !== this.generation) return;
+    if (frame?.generation !== this.generation) return;
+    frame.calls = engineFrames.callsOf(frame);
     if (!this.frame) this.lab.still?.remove();
     this.frame = frame;
     this.note = null;

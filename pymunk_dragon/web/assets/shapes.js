@@ -1,12 +1,15 @@
-// Draws what Pymunk's debug drawing draws. Neighbours of one colour share a path,
-// because drawing a path costs more than extending it.
+// Draws what Pymunk's debug drawing draws.
 
 const SHAPE_OUTLINE = 1; // pixels
 const JOINT_WIDTH = 1.5; // pixels
 const DOT_SIZE = 0.6; // radius of a dot over Pymunk's
+// Outlines that share a path, because drawing a path costs more than extending it. Closing a part
+// takes the longer the longer the path is; circles are not closed.
+const MOST_CIRCLES = 1000;
+const MOST_OTHERS = 50;
 
 // Add the outline of a convex polygon, a line or a point on the screen, at a distance around it.
-/** @type {(path: Path2D, corners: Point[], distance: number) => void} */
+/** @type {(path: CanvasPath, corners: Point[], distance: number) => void} */
 function addOutline(path, corners, distance) {
   if (corners.length === 1) {
     path.moveTo(corners[0][0] + distance, corners[0][1]);
@@ -48,60 +51,76 @@ function shapePath(view, { points, radius }) {
   return path;
 }
 
-// Whether any of a call may be visible.
-/** @type {(view: View, call: Shape) => boolean} */
-function isCallVisible(view, { kind, points, radius }) {
-  const reach = kind === "dot" ? 0 : radius;
-  const [[x, y]] = points;
-  let size = 0;
-  for (const [px, py] of points) size = Math.max(size, Math.abs(px - x), Math.abs(py - y));
-  return view.isVisible(x, y, reach + size);
-}
-
 /** @type {Layer<LivePicture>} */
 function drawCalls({ context, view }, { calls }) {
-  /** @type { { fill: string, outline?: string, fills: boolean, path: Path2D } | null} */
-  let run = null;
-  const finish = () => {
-    if (!run) return;
-    context.fillStyle = run.fill;
-    context.strokeStyle = run.outline ?? run.fill;
-    context.lineWidth = run.outline ? SHAPE_OUTLINE : JOINT_WIDTH;
-    if (run.fills) context.fill(run.path);
-    if (run.outline || !run.fills) context.stroke(run.path);
-  };
+  /** @type {Call[]} */
+  let run = [];
   for (const call of calls) {
-    if (!isCallVisible(view, call)) continue;
-    const fills = call.kind !== "line";
-    if (
-      !run ||
-      !call.opaque ||
-      run.fill !== call.fill ||
-      run.outline !== call.outline ||
-      run.fills !== fills
-    ) {
-      finish();
-      run = { fill: call.fill, outline: call.outline, fills, path: new Path2D() };
+    const [[x, y]] = call.points;
+    if (!view.isVisible(x, y, call.reach)) continue;
+    const most = call.kind === "circle" ? MOST_CIRCLES : MOST_OTHERS;
+    if (run.length >= most || !(run.length && sharesPaint(run[0], call))) {
+      paintCalls(context, view, run);
+      run = [];
     }
-    addCall(run.path, view, call);
+    run.push(call);
   }
-  finish();
+  paintCalls(context, view, run);
 }
 
-/** @type {(path: Path2D, view: View, call: Call) => void} */
-function addCall(path, view, { kind, points, radius, angle }) {
-  const corners = points.map((point) => view.toScreen(...point));
+/** @type {(one: Call, two: Call) => boolean} */
+function sharesPaint(one, two) {
+  const alike = one.fill === two.fill && one.outline === two.outline;
+  return two.opaque && alike && (one.kind === "line") === (two.kind === "line");
+}
+
+// Paint calls of the same colours: first what is filled, where the browser is fast at convex shapes
+// one by one, and at circles together, then all lines.
+/** @type {(context: CanvasRenderingContext2D, view: View, calls: Call[]) => void} */
+function paintCalls(context, view, calls) {
+  if (!calls.length) return;
+  const [{ kind, fill, outline }] = calls;
+  const screen = calls.map(({ points }) => points.map((point) => view.toScreen(...point)));
+  context.fillStyle = fill;
+  context.strokeStyle = outline ?? fill;
+  context.lineWidth = outline ? SHAPE_OUTLINE : JOINT_WIDTH;
+  if (kind !== "line") {
+    const discs = new Path2D();
+    calls.forEach((call, k) => {
+      const isRound = call.points.length === 1;
+      if (!isRound) context.beginPath();
+      addCall(isRound ? discs : context, view, call, screen[k]);
+      if (!isRound) context.fill();
+    });
+    context.fill(discs);
+    if (!outline) return;
+  }
+  context.beginPath();
+  calls.forEach((call, k) => {
+    addCall(context, view, call, screen[k]);
+    if (call.kind === "circle") addSpoke(context, view, call, screen[k]);
+  });
+  context.lineCap = outline ? "butt" : "round";
+  context.stroke();
+  context.lineCap = "round";
+}
+
+/** @type {(path: CanvasPath, view: View, call: Call, corners: Point[]) => void} */
+function addCall(path, view, { kind, radius }, corners) {
   if (kind === "line") {
     corners.forEach((corner, i) => path[i ? "lineTo" : "moveTo"](...corner));
     return;
   }
   const distance = Math.max(radius * view.scale, kind === "segment" ? 0.5 : 0);
   addOutline(path, corners, kind === "dot" ? DOT_SIZE * radius : distance);
-  if (kind !== "circle") return;
-  // A line from the centre shows how a circle turns.
-  const [[x, y]] = points;
-  path.moveTo(...corners[0]);
-  path.lineTo(...view.toScreen(x + radius * Math.cos(angle), y + radius * Math.sin(angle)));
+}
+
+// A line from the centre shows how a circle turns.
+/** @type {(path: CanvasPath, view: View, call: Call, centre: Point[]) => void} */
+function addSpoke(path, view, { radius, angle }, [[px, py]]) {
+  const length = radius * view.scale;
+  path.moveTo(px, py);
+  path.lineTo(px + length * Math.cos(angle), py - view.up * length * Math.sin(angle));
 }
 
 /** @type {(obstacle: Obstacle) => Call} */
@@ -115,10 +134,14 @@ function obstacleCall({ shape, x, y, size }) {
     [x + half, y + half],
     [x - half, y + half],
   ];
-  return {
+  const place = {
     kind: round ? "circle" : "polygon",
-    points: round ? [[x, y]] : square,
+    points: round ? [/** @type {Point} */ ([x, y])] : square,
     radius: round ? half : 0,
+  };
+  return {
+    ...place,
+    reach: reachOf(place),
     angle: 0,
     fill: STATIC_COLOUR,
     outline: OUTLINE_COLOUR,

@@ -67,4 +67,4 @@ controls = [
 ]
 plots = {"balls": lambda space: len(space.bodies)}
 with live(build, step=1 / 480, on_step=pocket, controls=controls, plots=plots) as session:
-    input(f"{session.address} shows it; Enter ends it. ")
+    session.wait()

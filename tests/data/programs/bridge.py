@@ -74,4 +74,4 @@ controls = [
 ]
 plots = {"largest force (N)": largest}
 with live(build, step=1 / 240, on_step=break_joints, controls=controls, plots=plots) as session:
-    input(f"{session.address} shows it; Enter ends it. ")
+    session.wait()

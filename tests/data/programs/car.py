@@ -65,4 +65,4 @@ controls = [
     Slider("stiffness", 150, 1000, rebuilds=True, unit="N/m"),
 ]
 with live(build, step=1 / 240, on_step=drive, controls=controls) as session:
-    input(f"{session.address} shows it; Enter ends it. ")
+    session.wait()

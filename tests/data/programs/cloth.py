@@ -54,4 +54,4 @@ controls = [
     Button("Drop it", drop),
 ]
 with live(build, step=1 / 240, controls=controls, y_down=True, units="px") as session:
-    input(f"{session.address} shows it; Enter ends it. ")
+    session.wait()

@@ -55,4 +55,4 @@ controls = [
 ]
 plots = {"boxes": lambda space: len(space.bodies)}
 with live(build, step=1 / 240, on_step=on_step, controls=controls, plots=plots) as session:
-    input(f"{session.address} shows it; Enter ends it. ")
+    session.wait()

@@ -40,4 +40,4 @@ controls = [
     Button("Push", push),
 ]
 with live(build, step=1 / 600, controls=controls, plots={"energy (J)": energy}) as session:
-    input(f"{session.address} shows it; Enter ends it. ")
+    session.wait()

@@ -62,5 +62,5 @@ controls = [
     Button("Shake", shake),
 ]
 session = live(build, step=1 / 240, controls=controls, y_down=True, units="px")
-input(f"{session.address} shows it; Enter ends it. ")
+session.wait()
 session.stop()

@@ -49,4 +49,4 @@ controls = [
 ]
 plots = {"longest (°)": angle_of(0), "shortest (°)": angle_of(14)}
 with live(build, step=1 / 480, controls=controls, plots=plots) as session:
-    input(f"{session.address} shows it; Enter ends it. ")
+    session.wait()

@@ -71,4 +71,4 @@ controls = [
 ]
 settings = {"step": 1 / 240, "y_down": True, "units": "px"}
 with live(build, on_step=on_step, controls=controls, **settings) as session:
-    input(f"{session.address} shows it; Enter ends it. ")
+    session.wait()

@@ -64,4 +64,4 @@ controls = [
     Button("One more", lambda space: add_ring(space, (500, 60))),
 ]
 with live(build, step=1 / 240, on_step=blow, controls=controls, y_down=True, units="px") as session:
-    input(f"{session.address} shows it; Enter ends it. ")
+    session.wait()

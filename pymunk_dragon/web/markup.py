@@ -1,4 +1,4 @@
-r"""Markup of the lessons' texts: `code`, **bold**, and formulas, in simple LaTeX between $."""
+r"""Markup of texts: `code`, **bold**, and formulas, in simple LaTeX between $."""
 
 from __future__ import annotations
 
@@ -37,11 +37,15 @@ def _part(part: str) -> str:
         return f"<code>{escape(part[1:-1])}</code>"
     if part.startswith("$"):
         _, formula, stops = part.split("$")
-        made = library("latex2mathml.converter").convert(formula)
-        # Browsers leave out the thin space behind the name of a function, which is added here.
-        made = FUNCTION.sub(r'\1<mspace width="0.167em" />', made)
-        return f'<span class="formula">{made}{stops}</span>'
+        return f'<span class="formula">{mathml(formula)}{stops}</span>'
     return re.sub(r"(?<=\d) (?=\w)", "\u00a0", escape(part, quote=False))
+
+
+def mathml(formula: str, display: str = "inline") -> str:
+    """A formula in LaTeX as MathML, "inline" or as a "block" of its own."""
+    made = library("latex2mathml.converter").convert(formula, display=display)
+    # Browsers leave out the thin space behind the name of a function, which is added here.
+    return FUNCTION.sub(r'\1<mspace width="0.167em" />', made)
 
 
 def plain(text: str) -> str:
