@@ -2,13 +2,20 @@
 // where on the spiral does it belong?
 stages.chain = (lab) => {
   const snap = 0.05; // m: a handle so close to a point of the spiral is put on it
+  const turning = lab.slider(["direction", "板凳的方向"], {
+    min: 0,
+    max: 360,
+    step: 0.5,
+    value: 0,
+    unit: "°",
+    play: () => 60,
+  });
   const time = lab.slider(["time", "时间"], {
     min: 0,
     max: 420,
     step: 1,
     value: 300,
     unit: "s",
-    play: () => 10,
   });
   const bench = lab.slider(["handle to handle", "把手间距"], {
     min: 1,
@@ -21,7 +28,8 @@ stages.chain = (lab) => {
   const points = curvePoints(spiral, begin - 200, 0);
   /** @type {Set<number>} */
   const found = new Set();
-  let angle = 0.5;
+  let angle = 0;
+  let shown = 0; // degrees: what the slider has turned it to
   /** @type {number} */
   let head;
   /** @type {Frame} */
@@ -44,6 +52,8 @@ stages.chain = (lab) => {
   const apart = ([x, y], [otherX, otherY]) => Math.hypot(x - otherX, y - otherY);
   /** @type {(point: Numbers) => number} */
   const angleTo = ([x, y]) => Math.atan2(y - from[1], x - from[0]);
+  /** @type {(s: number) => boolean} */
+  const isRight = (s) => Math.abs(s - right) < 1e-6;
   const onSpiral = () => met.find((s) => apart(spiral.frame(s), next()) < snap);
   // Coordinates, from the outside in, at which the distance from handle 0 passes the bench.
   const meetings = () => {
@@ -70,13 +80,20 @@ stages.chain = (lab) => {
     "Handle 0 on the spiral, the circle about it, and the next handle",
     "螺线上的 0 号把手，以它为圆心的圆，和下一个把手",
   ];
+  lab.legend([
+    ["quiet", ["point of the spiral on the circle", "圆上的螺线点"]],
+    ["tail", ["way to the next handle", "到下一个把手的路"]],
+    ["contact", ["way to another point", "到别的点的路"]],
+  ]);
   lab.update = () => {
     head = begin + time.value;
     from = spiral.frame(head);
     right = neighbour(spiral, head, bench.value);
     met = meetings();
+    if (turning.value !== shown) turn((turning.value * TURN) / 360);
+    shown = turning.value;
     own = onSpiral() ?? NaN;
-    correct = Math.abs(own - right) < 1e-6;
+    correct = isRight(own);
   };
   lab.pane(
     1,
@@ -89,6 +106,13 @@ stages.chain = (lab) => {
       pane.benches(benchesBetween(makeDragon({ benches: 1, head: bench.value }), [from, next()]));
       const way = own ? curvePoints(spiral, Math.min(own, head), Math.max(own, head), 0.03) : [];
       pane.line(way, { colour: correct ? "tail" : "contact", width: 4 });
+      const place = met.find((each) => isRight(each) && found.has(each));
+      if (place !== undefined) {
+        pane.line(curvePoints(spiral, place, head, 0.03), { colour: "tail", width: 4 });
+        const length = `${(head - place).toFixed(3)} m`;
+        const words = lab.say([`${length} along the path`, `沿路径 ${length}`]);
+        pane.text(spiral.frame((place + head) / 2), words, { dy: 16 });
+      }
       for (const s of met.filter((each) => found.has(each))) {
         pane.dot(spiral.frame(s), { colour: "quiet" });
       }
@@ -115,10 +139,13 @@ stages.chain = (lab) => {
     const share = (s) => turned(angleTo(spiral.frame(s))) / turned(angle);
     for (const s of met) if (share(s) >= 0 && share(s) < 1 + 1e-9) found.add(s);
   };
-  lab.keep("angle", () => angle, turn);
   lab.knob(["The next handle: drag it round the circle", "下一个把手：沿圆周拖动"], {
     at: next,
-    moved: (point, way) => turn(way ? angle + ((3 * snap) / bench.value) * way : angleTo(point)),
+    moved: (point, way) => {
+      turn(way ? angle + ((3 * snap) / bench.value) * way : angleTo(point));
+      turning.value = ((((angle / TURN) % 1) + 1) % 1) * 360;
+      shown = turning.value;
+    },
   });
   lab.readout = () => {
     const off = apart(spiral.frame(right), next()).toFixed(2);

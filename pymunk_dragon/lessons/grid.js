@@ -8,9 +8,13 @@ stages.grid = (lab) => {
     step: 0.05,
     value: 4,
     unit: "m",
+    digits: 2,
+    play: () => -0.4,
   });
   const count = lab.slider(["benches", "板凳数"], { min: 16, max: 223, step: 1, value: 223 });
   const handles = new March().chain(contact).points;
+  const asked = 0.55; // m: the size in the question
+  let last = cell.value;
   let picked = 8;
   /** @type {Benches<BenchSizes>} */
   let benches;
@@ -25,7 +29,16 @@ stages.grid = (lab) => {
     "The dragon on a grid, and the benches that share a cell with one",
     "网格上的板凳龙，以及与一节板凳同在一格的板凳",
   ];
+  lab.legend([
+    ["head", ["bench that is picked, and its cells", "选中的板凳和它的格子"]],
+    ["contact", ["shares a cell with it: to test", "与它同在一格：要检测"]],
+    ["body", ["no test", "不必检测"]],
+  ]);
   lab.update = () => {
+    // The size that plays stops there.
+    const stops = cell.value <= asked && last > asked && last - cell.value < asked;
+    if (stops) cell.value = asked;
+    last = cell.value;
     benches = benchesBetween(
       makeDragon({ benches: count.value }),
       handles.slice(0, count.value + 1),

@@ -70,6 +70,11 @@ stages["near-miss"] = (lab) => {
     "The head and the benches that it passes; below, its gap",
     "龙头和它经过的板凳；下方是空隙",
   ];
+  lab.legend([
+    ["head", ["head", "龙头"]],
+    ["body", ["gap above 0", "空隙大于 0"]],
+    ["contact", ["smallest gap; overlap", "最小的空隙；重叠"]],
+  ]);
   lab.update = () => {
     if (cutTo !== decimals.value) {
       cutTo = decimals.value;

@@ -8,6 +8,7 @@ stages.pitch = (lab) => {
     step: 1,
     value: 550,
     unit: "mm",
+    play: () => -10,
   });
   const fine = lab.slider(["fine adjustment", "微调"], {
     min: 0,
@@ -47,7 +48,13 @@ stages.pitch = (lab) => {
     "The dragon on its way to the circle, as far as it gets",
     "盘入的板凳龙，停在它能到达的地方",
   ];
+  lab.legend([
+    ["head", ["head", "龙头"]],
+    ["contact", ["bench that it meets", "它碰到的板凳"]],
+    ["text", ["circle of 4.5 m", "半径 4.5 m 的圆"]],
+  ]);
   lab.update = () => {
+    const wasFree = stop === null;
     const pitch = (coarse.value + fine.value) / 1000;
     const length = roundNumber(step.value);
     const same = march?.pitch === pitch;
@@ -57,6 +64,8 @@ stages.pitch = (lab) => {
       arrival = march.spiral.atRadius(radius) - march.begin;
       stop = firstContact(gap, 0, arrival, 1.2, 0.008);
       time = stop ?? arrival;
+      // The pitch that plays ends where the dragon no longer gets in.
+      if (wasFree && stop !== null) coarse.value = Math.round(coarse.value);
     }
     if (same && sampledBy === length) return;
     sampledBy = length;

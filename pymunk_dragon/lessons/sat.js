@@ -40,6 +40,11 @@ stages.sat = (lab) => {
     "Two benches, and their shadows on walls along their sides",
     "两节板凳，以及它们在与各边平行的墙上的影子",
   ];
+  lab.legend([
+    ["body", ["blue bench and its shadow", "蓝色板凳和它的影子"]],
+    ["head", ["amber bench and its shadow", "琥珀色板凳和它的影子"]],
+    ["contact", ["light between the shadows", "影子之间的光"]],
+  ]);
   lab.update = () => {
     benches = new Benches(
       makeDragon({ benches: 2, head: 2 * hole }),

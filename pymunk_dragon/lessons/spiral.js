@@ -35,6 +35,11 @@ stages.spiral = (lab) => {
     "The dragon, and the angle of 5 s of its walk seen from the centre",
     "板凳龙，以及从中心看它走 5 s 所张的角",
   ];
+  lab.legend([
+    ["head", ["head, and the angle of 5 s", "龙头，以及 5 s 所张的角"]],
+    ["contact", ["5 s of its walk", "它走的 5 s"]],
+    ["curve", ["a dot each 5 s", "每 5 s 一个点"]],
+  ]);
   lab.update = () => {
     if (spiral?.k !== pitch.value / TURN) {
       spiral = new Spiral(pitch.value);

@@ -58,6 +58,11 @@ stages.unguided = (lab) => {
   ];
   /** @type {Benches<BenchSizes>} */
   let benches;
+  lab.legend([
+    ["head", ["head, which pulls", "龙头，在拉"]],
+    ["curve", ["path of the dancers", "有人扶时的路线"]],
+    ["contact", ["benches that touch", "相碰的板凳"]],
+  ]);
   lab.update = () => {
     benches = benchesBetween(dragon, handlesAt(contact()?.time ?? time.value));
   };

@@ -122,8 +122,9 @@ class Lab extends Surface {
       row.button = created("button", { type: "button", className: "play" });
       row.button.addEventListener("click", () => {
         row.plays = !row.plays;
-        row.exact =
-          Number(input.value) < Number(input.max) ? Number(input.value) : Number(input.min);
+        const ends = [Number(input.min), Number(input.max)];
+        const [from, to] = play() < 0 ? ends.reverse() : ends;
+        row.exact = Number(input.value) === to ? from : Number(input.value);
         this.requestDraw();
       });
       div.append(row.button);
@@ -280,9 +281,10 @@ class Lab extends Surface {
   /** @type {(seconds: number) => void} */
   play(seconds) {
     for (const row of this.rows.filter(({ plays }) => plays)) {
-      row.exact += seconds * (row.play?.() ?? 0);
+      const rate = row.play?.() ?? 0;
+      row.exact += seconds * rate;
       row.input.value = String(row.exact);
-      row.plays = row.exact < Number(row.input.max);
+      row.plays = rate < 0 ? row.exact > Number(row.input.min) : row.exact < Number(row.input.max);
       this.requestDraw();
     }
   }
