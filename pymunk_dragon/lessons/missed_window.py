@@ -78,7 +78,7 @@ plt.savefig("missed-window.png", bbox_inches="tight")
 # millimetre more on either side brings the edge of bench 11 nearer by 0.5 mm, and the head's corner
 # by 0.5 mm times $\cos 39.05^\circ$.
 # ## Try
-# Drag the time along the chart: what happened between the samples? Then change how often there is a
+# Drag the time along the strip: what happened between the samples? Then change how often there is a
 # sample. What is the longest step that finds both contacts, and is that more than luck? Make the
 # benches a hair narrower, down to where a contact is so short that even 0.05 s misses it.
 # ## Change

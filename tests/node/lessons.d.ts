@@ -78,7 +78,6 @@ interface SliderOptions {
 /** What a lesson says of a scene that Pymunk plays. */
 interface PlayedOptions {
   scene: string;
-  plays?: boolean;
   changed?: (event: LiveEvent | null) => void;
 }
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from io import BytesIO
+from os import cpu_count
 from pathlib import Path
 from typing import Any
 
@@ -115,9 +117,10 @@ def run_page(
     for name in ("pygments", "nbformat", "latex2mathml", "jinja2"):
         library(name)
     recordings = []
-    for done, lesson in enumerate(lessons, start=1):
-        recordings.append(record(lesson))
-        progress(done, len(lessons))
+    with ThreadPoolExecutor(cpu_count()) as pool:
+        for done, recording in enumerate(pool.map(record, lessons), start=1):
+            recordings.append(recording)
+            progress(done, len(lessons))
     return make_page(recordings, language, site=site, pages=pages)
 
 
@@ -178,7 +181,10 @@ def _values(recording: Recording) -> dict[str, Any]:
         "data": recording.data or packed_runs(recording.runs),
         "film": filmed(**lesson.scene()) if lesson.builds_scene else [],
         "printed": recording.printed.rstrip(),
-        "picture": _picture(recording),
+        "pictures": {
+            "en": _picture(recording.picture, recording.ending),
+            "zh": _picture(recording.chinese or recording.picture, recording.ending),
+        },
         "code": _highlighted("\n\n".join(lesson.cells)),
         "program": _address(lesson.source.encode(), PROGRAM),
         "notebooks": notebooks,
@@ -231,11 +237,10 @@ def corners(shape: Any) -> list[Any]:
     return shape.get_vertices() if hasattr(shape, "get_vertices") else []
 
 
-def _picture(recording: Recording) -> dict[str, Any]:
+def _picture(content: bytes, ending: str) -> dict[str, Any]:
     """Address and size of a picture, so that the page does not move when it is unfolded."""
-    with library("PIL.Image").open(BytesIO(recording.picture)) as opened:
-        address = _address(recording.picture, recording.ending)
-        return {"address": address, "size": opened.size, "repeats": recording.ending == ".gif"}
+    with library("PIL.Image").open(BytesIO(content)) as opened:
+        return {"address": _address(content, ending), "size": opened.size}
 
 
 def _spiral() -> str:

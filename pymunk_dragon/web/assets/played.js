@@ -19,14 +19,13 @@ const engineFrames = new Frames();
 /** @type {Played | null} */
 let playedNow = null; // the stage that the connection serves
 
-// The scene begins at rest, unless it `plays` at once. `changed` is called with each event, and
+// The scene waits until it is played. `changed` is called with each event, and
 // with null where the scene begins anew.
 class Played {
   /** @param {Lab} lab @param {PlayedOptions} options */
-  constructor(lab, { scene, plays = false, changed = () => {} }) {
+  constructor(lab, { scene, changed = () => {} }) {
     this.lab = lab;
     this.name = scene;
-    this.plays = plays;
     this.changed = changed;
     /** @type {LiveFrame | null} */
     this.frame = null;
@@ -94,10 +93,12 @@ class Played {
     else this.enter();
   }
 
-  // Begin the scene anew; it waits if it does not play at once.
+  // Begin the scene anew; it waits.
   begin() {
     this.send({ do: "scene", name: this.name });
-    if (!this.plays) this.send({ do: "pause" });
+    this.send({ do: "pause" });
+    // Without the steps before the pause.
+    this.send({ do: "reset" });
     for (const send of this.moved) send();
   }
 
