@@ -25,7 +25,7 @@ from pymunk_dragon.lessons._framework.page import make_page
 from pymunk_dragon.web.markup import html, plain
 
 LANGUAGES = ("en", "zh")
-SECTIONS = ["Title", "Question", "Guess", "Answer", "Check", "Try", "Change", "Teacher"]
+SECTIONS = ["Title", "Question", "Answer", "Check", "Try", "Change", "Teacher"]
 # A lesson of a student's own.
 OWN = """# %% [markdown] order=1
 # # My own
@@ -124,6 +124,19 @@ def test_each_lesson_has_all_sections_in_both_languages_with_the_same_choices_an
                 assert not re.search(r"[\\${}]", re.sub("`[^`]*`", "", plain(line))), line
 
 
+def test_few_words_stand_before_a_stage_and_the_reason_behind_it_is_short():
+    for name, each in LESSONS.items():
+        before = {
+            language: f"{each.sections(language)['Question']} {each.guess(language)}"
+            for language in LANGUAGES
+        }
+        assert len(each.guesses()) == 1, name
+        assert len(re.sub(r"^- ", "", before["en"], flags=re.MULTILINE).split()) <= 40, name
+        assert len(re.sub(r"^- |[\s`*]", "", before["zh"], flags=re.MULTILINE)) <= 80, name
+        reason = re.sub(r"^- ", "", each.sections()["Answer"], flags=re.MULTILINE)
+        assert len(reason.split()) <= 120, name
+
+
 @pytest.mark.thorough
 def test_picture_of_each_lesson_is_small_and_its_numbers_to_check_are_printed():
     for name, each in LESSONS.items():
@@ -197,7 +210,7 @@ def test_program_lists_plays_and_writes_lessons(call, tmp_path):
     assert all(title in call("demo", "--lang", "zh")[1] for title in titles.values())
     code, out, err = call("demo", "spiral", "--save", tmp_path, "--lang", "zh")
     assert (code, err) == (0, "")
-    for name in ("Question", "Guess", "Answer", "Check", "Change"):
+    for name in ("Question", "Answer", "Check", "Change"):
         assert all(flat(plain(line)) in flat(out) for line in lines(LESSONS["spiral"], name, "zh"))
     assert played("spiral").printed in out
     assert str(tmp_path / "spiral.png") in out

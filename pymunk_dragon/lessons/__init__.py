@@ -27,13 +27,15 @@ file with hyphens. Its first line has `order`, by which lessons are sorted, and 
 the sheet of the class and `scene`, a scene of `pymunk-dragon live`; with a `view`, the first cell
 has a function `build` for that scene, which ``live(build, **LIVE)`` plays.
 
-The texts begin with the title and the question. The headings that follow are "Guess", "Answer",
-"Check", "Try", "Change" and "Teacher", in this order. In "Answer" each question has a list of its
-choices with what comes of them; the right one is bold. "Check" has a number with decimals that the
-program prints. "Teacher" is a list, which begins with "- From grade 11; what the class knows. 45
-minutes: how they are spent." and "- Goal: what the lesson teaches.". Formulas are LaTeX between
-dollar signs. A lesson without a `scene` has a stage: a file of JavaScript beside it that sets
-`stages["NAME"]`, as `web/assets/lab.js` says. Chinese texts, in `zh.toml`, are optional.
+The texts begin with the title and the question. The headings that follow are "Answer", "Check",
+"Try", "Change" and "Teacher", in this order. "Answer" ends with what the class guesses: a question
+and a list of its choices with what comes of them; the right one is bold. What stands before the
+stage, the question and the choices, has at most 40 words, and the answer 120. "Check" has a number
+with decimals that the program prints. "Teacher" is a list, which begins with "- From grade 11; what
+the class knows. 45 minutes: how they are spent." and "- Goal: what the lesson teaches.". Formulas
+are LaTeX between dollar signs. A lesson without a `scene` has a stage: a file of JavaScript beside
+it that sets `stages["NAME"]`, as `web/assets/lab.js` says. Chinese texts, in `zh.toml`, are
+optional.
 """
 
 from collections.abc import Mapping

@@ -2,6 +2,7 @@
 stages.callbacks = (lab) => {
   const rows = ["separate", "post_solve", "pre_solve", "begin"]; // from below
   const stepLength = 0.02; // s
+  const slowly = 0.25; // times real time: a step of the contact is seen by itself
   const column = 46; // pixels: room for an impulse
   /** @type { { step: number, name: string, impulse: string }[]} */
   let calls = [];
@@ -23,11 +24,23 @@ stages.callbacks = (lab) => {
     "One bench flies at another, and the calls of the contact over the steps",
     "一节板凳撞向另一节，以及逐步的回调",
   ];
+  lab.legend([
+    ["contact", ["benches in contact", "接触中的板凳"]],
+    ["force", ["call that reads an impulse", "读到冲量的调用"]],
+    ["quiet", ["call that reads 0", "读到 0 的调用"]],
+  ]);
   const floor = lab.pane(
     0.55,
     () => ({ x: 0, y: 0.3, size: 5.5, wide: 8 }),
     (pane) => {
       engine.draw(pane);
+      // Benches in contact have a rim.
+      const { step = -Infinity, name } = calls.at(-1) ?? {};
+      if (name !== "separate" && step >= (engine.frame?.step ?? 0) - 1) {
+        for (const { points } of engine.bodies) {
+          pane.line([...points, points[0]], { colour: "contact", width: 4 });
+        }
+      }
       for (const [k, letter] of ["A", "B"].entries()) {
         pane.text(engine.centre(k), letter, { dy: -20 });
       }
@@ -65,19 +78,32 @@ stages.callbacks = (lab) => {
       }
       for (const { step, name, impulse } of calls.filter((call) => call.step >= first)) {
         const row = rows.indexOf(name);
-        pane.dot([step, row], { colour: "contact", radius: 4 });
-        pane.text([step, row], impulse, { dy: -13 });
+        const colour = Number(impulse) ? "force" : "quiet";
+        pane.dot([step, row], { colour, radius: Number(impulse) ? 6 : 4 });
+        pane.text([step, row], impulse, { dy: -13, colour });
       }
     },
   );
   engine.hand(floor, ["Bench A: drag it against the other", "板凳 A：拖它去碰另一节"], () => 0);
   lab.readout = () =>
     engine.says(({ step }) => {
-      const { name, impulse } = calls.at(-1) ?? {};
-      if (!name) return [`Step ${step}. No callback so far.`, `第 ${step} 步。还没有回调。`];
+      if (!calls.length) {
+        return [`Step ${step}. No callback so far.`, `第 ${step} 步。还没有回调。`];
+      }
+      const counts = [...rows]
+        .reverse()
+        .map((name) => `${name} ${calls.filter((call) => call.name === name).length}`)
+        .join(", ");
+      const blow = calls.find(({ impulse }) => Number(impulse));
+      const [english, chinese] = blow
+        ? [
+            ` First with an impulse: ${blow.name}, ${blow.impulse} N s.`,
+            `最先读到冲量的是 ${blow.name}：${blow.impulse} N s。`,
+          ]
+        : ["", ""];
       return [
-        `Step ${step}. ${calls.length} calls; the last, ${name}, read ${impulse} N s.`,
-        `第 ${step} 步。共 ${calls.length} 次调用；最后的 ${name} 读到 ${impulse} N s。`,
+        `Step ${step}. Calls: ${counts}.${english}`,
+        `第 ${step} 步。调用次数：${counts}。${chinese}`,
       ];
     });
 
@@ -86,7 +112,7 @@ stages.callbacks = (lab) => {
     () => {
       thrown = true;
       engine.send({ do: "reset" });
-      engine.send({ do: "speed", value: 0.5 });
+      engine.send({ do: "speed", value: slowly });
       engine.send({ do: "play" });
     },
   );

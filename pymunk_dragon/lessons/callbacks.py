@@ -1,10 +1,7 @@
 # %% [markdown] order=100 scene="callbacks" view=[0,0.3,8,5.5] axes="step|impulse (N s)"
 # # Which events does a contact cause?
-# At a contact Pymunk calls functions of your program. When does it call which, and what can it read
-# by then?
-# ## Guess
-# A bench flies at another that lies still, and bounces off. There are four functions: `begin`,
-# `pre_solve`, `post_solve` and `separate`; the solver computes the impulse of a step.
+# A bench flies at another that lies still, and bounces off. At the contact Pymunk calls functions
+# of your program.
 
 # %%
 import sys
@@ -100,23 +97,14 @@ frames[40]
 
 # %% [markdown]
 # ## Answer
-# `begin` and `separate` come once, `pre_solve` and `post_solve` in every step between, and only
-# `post_solve` has the impulse of its step: before it one reads that of the step before. In the
-# program `begin` also raises an error, which does not pass through the C code that calls back:
-# Python only reports it, and the benches bounce as if nothing had been. So `simulate` keeps such an
-# error and raises it when the step is over.
+# `begin` and `separate` come once, `pre_solve` and `post_solve` in every step between. Only
+# `post_solve` comes when the solver has computed the impulse of the step: before it one reads that
+# of the step before.
 #
-# Which are called in every step of the contact?
-# - `begin` and `separate`: the names of a beginning and an end, but nothing says what comes
-#   between.
-# - **`pre_solve` and `post_solve`**: in steps 40, 41 and 42.
-# - All four: the contact is there in each step, but `begin` and `separate` report changes only.
-#
-# Which one has the impulse of the blow first?
+# Which one has the impulse first?
 # - `begin`: the benches touch there, but nothing is computed yet, and it reads 0.
 # - `pre_solve`: it comes in the same step, but before the solver, as its name says.
-# - **`post_solve`**: in step 40 of the program 3.29 N s, and the bench that lay still leaves at
-#   0.329 m/s.
+# - **`post_solve`**: 3.29 N s, and the bench that lay still leaves at 0.329 m/s.
 # - `separate`: only then the blow is over, but Pymunk has emptied the contact by then: it reads 0.
 # ## Check
 # The impulse of 3.29 N s is what sets the bench in motion: divide it by 10 kg, and compare the
@@ -135,3 +123,9 @@ frames[40]
 #   of the first.
 # - Mistakes: the impulse is read before it is computed; an error that nobody sees is taken for no
 #   error.
+# - Ask next: which are called in every step of the contact? `pre_solve` and `post_solve`, in steps
+#   40, 41 and 42 of the program; the contact is there in each step, but `begin` and `separate`
+#   report changes only.
+# - In the program `begin` also raises an error, which does not pass through the C code that calls
+#   back: Python only reports it, and the benches bounce as if nothing had been. So `simulate` keeps
+#   such an error and raises it when the step is over.

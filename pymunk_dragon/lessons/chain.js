@@ -101,20 +101,24 @@ stages.chain = (lab) => {
       });
     },
   );
+  // Turn the handle to an angle; points of the spiral on the way there are found.
+  /** @type {(to: number) => void} */
+  const turn = (to) => {
+    /** @type {(end: number) => number} */
+    const turned = (end) => Math.atan2(Math.sin(end - before), Math.cos(end - before));
+    const before = angle;
+    angle = to;
+    const snapped = onSpiral();
+    if (snapped) angle = angleTo(spiral.frame(snapped));
+    // The points between the angle before and that now.
+    /** @type {(s: number) => number} */
+    const share = (s) => turned(angleTo(spiral.frame(s))) / turned(angle);
+    for (const s of met) if (share(s) >= 0 && share(s) < 1 + 1e-9) found.add(s);
+  };
+  lab.keep("angle", () => angle, turn);
   lab.knob(["The next handle: drag it round the circle", "下一个把手：沿圆周拖动"], {
     at: next,
-    moved: (point, way) => {
-      /** @type {(to: number) => number} */
-      const turned = (to) => Math.atan2(Math.sin(to - before), Math.cos(to - before));
-      const before = angle;
-      angle = way ? angle + ((3 * snap) / bench.value) * way : angleTo(point);
-      const snapped = onSpiral();
-      if (snapped) angle = angleTo(spiral.frame(snapped));
-      // The points between the angle before and that now.
-      /** @type {(s: number) => number} */
-      const share = (s) => turned(angleTo(spiral.frame(s))) / turned(angle);
-      for (const s of met) if (share(s) >= 0 && share(s) < 1 + 1e-9) found.add(s);
-    },
+    moved: (point, way) => turn(way ? angle + ((3 * snap) / bench.value) * way : angleTo(point)),
   });
   lab.readout = () => {
     const off = apart(spiral.frame(right), next()).toFixed(2);

@@ -1,10 +1,7 @@
 # %% [markdown] order=20
 # # Where does the next handle go?
-# Two handles carry the head bench, both on the spiral, 2.86 m apart in a straight line. If the
-# front one, handle 0, is known, the next one is where the circle of radius 2.86 m round it meets
-# the spiral. How often does it, and which point is meant?
-# ## Guess
-# Draw a circle of radius 2.86 m round a point of a spiral whose turns are 0.55 m apart.
+# Both handles of the head bench are on the spiral, 2.86 m apart. Handle 0 is known; handle 1 is
+# where a circle about it meets the spiral.
 
 # %%
 import matplotlib.pyplot as plt
@@ -59,21 +56,14 @@ plt.savefig("chain.png", bbox_inches="tight")
 
 # %% [markdown]
 # ## Answer
-# The circle meets the spiral 22 times, always 2.86 m away in a straight line, and the first one
-# back along the path is meant: 2.900 m along it, as the path is an arc and the bench is its chord.
-# The two beside it on the circle, less than 0.6 m off, are one turn further out or in: no walk
-# takes the bench there, but a solver with a bad guess does.
+# The circle meets the spiral 22 times, always 2.86 m away in a straight line. The first one back
+# along the path is meant, 2.900 m along it. The two beside it on the circle, less than 0.6 m off,
+# are one turn further out or in: no walk takes the bench there, but a solver with a bad guess does.
 #
-# How often does the circle meet the spiral?
+# How often do they meet?
 # - 2 times: so often a circle meets a straight line or another circle.
-# - 6 times: as if only the turns next to handle 0 were near enough; but five turns on either side
-#   are.
+# - 6 times: as if only the turns next to handle 0 were near enough.
 # - **22 times**: each of the turns that are less than 2.86 m further in or out is met twice.
-#
-# How long is the path from one handle to the other?
-# - 2.86 m as well: that is the bench, a chord; the path between its ends is bent.
-# - **4 cm longer**: 2.900 m.
-# - 40 cm longer: so much it would be on a circle with a radius of 1.9 m; here it is 5 m.
 # ## Check
 # The arc, 2.900 m: the path is nearly a circle of the radius $R = (4.992 + 5.043) / 2$ m, and the
 # arc over a chord of 2.86 m is $2 R \arcsin(2.86 / (2 R))$, with the arcsine in radians.
@@ -93,3 +83,6 @@ plt.savefig("chain.png", bbox_inches="tight")
 # - Try: the second point lies a turn further in or out; no walk takes the bench there.
 # - Mistakes: chord and arc are taken for the same; a solver's result is believed because it solves
 #   the equation.
+# - Ask next: is the path from one handle to the other 2.86 m as well, or 4 cm longer, or 40 cm? It
+#   is 4 cm longer: the bench is a chord, and the path between its ends is bent. So much as 40 cm it
+#   would be on a circle with a radius of 1.9 m; here it is 5 m.

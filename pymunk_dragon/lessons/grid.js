@@ -72,6 +72,13 @@ stages.grid = (lab) => {
       pane.benches(benches, (i) => (i === picked ? "head" : partners.has(i) ? "contact" : "body"));
     },
   );
+  lab.keep(
+    "bench",
+    () => picked,
+    (given) => {
+      picked = Math.max(Math.round(given), 0);
+    },
+  );
   lab.knob(["The bench that is picked: drag to another one", "选中的板凳：拖到另一节上"], {
     at: () => [benches.poses.x[picked], benches.poses.y[picked]],
     moved: (point, way) => {

@@ -1,10 +1,7 @@
 # %% [markdown] order=50 axes="size of a cell (m)|pairs to test"
 # # How many pairs have to be tested?
-# Each bench is hinged to the one before it; any two others could touch. Of 16 benches these are 105
-# pairs, of 223 benches 24,531. Most of them are metres apart: which pairs need no test?
-# ## Guess
-# Cut the floor into square cells as wide as the pitch, 0.55 m, file every bench in the cells that
-# it touches, and test only benches that share a cell.
+# Of 223 benches, 24,531 pairs could touch. Cut the floor into square cells of 0.55 m, and test only
+# pairs that share a cell.
 
 # %%
 import matplotlib.pyplot as plt
@@ -62,13 +59,12 @@ plt.savefig("grid.png", bbox_inches="tight")
 
 # %% [markdown]
 # ## Answer
-# Only 13 of the 105 pairs share a cell, and 546 of the 24,531, about 2 in 100: nothing is missed,
-# as two benches that touch share the cell where they do. The price is the filing: 223 benches have
-# 1,997 entries. But ten times the benches have about ten times the entries, and a hundred times the
-# pairs.
+# Only 546 of the 24,531 pairs share a cell, about 2 in 100, and nothing is missed, as two benches
+# that touch share the cell where they do. The price is the filing: 223 benches have 1,997 entries.
+# But ten times the benches have about ten times the entries, and a hundred times the pairs.
 #
-# How many of the 24,531 pairs are left?
-# - About 5: so few do nearly touch, but a cell is filed with all that is within half a metre.
+# How many pairs are left?
+# - About 5: so few do nearly touch, but a cell has all that is within half a metre.
 # - **About 500**: 546 pairs.
 # - About 5,000: as if a bench came near to a fifth of all others; it meets only those of three
 #   turns.
@@ -90,3 +86,5 @@ plt.savefig("grid.png", bbox_inches="tight")
 #   of about 1 m.
 # - Mistakes: small cells are taken to be always better, though filing costs too; a shared cell is
 #   taken for a contact.
+# - Of 16 benches there are 105 pairs, as each bench is hinged to the one before it and any two
+#   others could touch; 13 of them share a cell.

@@ -2,6 +2,17 @@
 stages["missed-window"] = (lab) => {
   const begin = 405; // s
   const end = 413; // s
+  const flash = 0.25; // s: how long a sample is seen on the floor
+  const most = 200; // samples that are drawn one by one
+  const time = lab.slider(["time", "时间"], {
+    min: begin,
+    max: end,
+    step: 0.001,
+    value: begin,
+    unit: "s",
+    digits: 3,
+    play: () => 0.5,
+  });
   const step = lab.slider(["a sample every", "采样间隔"], {
     min: -9,
     max: 1,
@@ -16,14 +27,6 @@ stages["missed-window"] = (lab) => {
     value: 301,
     unit: "mm",
   });
-  const zoom = lab.slider(["zoom", "放大"], {
-    min: 0,
-    max: 1.6,
-    step: 0.02,
-    value: 0,
-    show: magnification,
-  });
-  const time = { value: begin };
   /** @type {March} */
   let march;
   /** @type { { from: number, to: number, bench: number }[]} */
@@ -33,55 +36,20 @@ stages["missed-window"] = (lab) => {
 
   /** @type {(t: number) => number} */
   const gap = (t) => march.gap(t);
-  // Points of the chart at the multiples of a step.
-  /** @type {(apart: number, limits: Numbers) => Point[]} */
-  const points = (apart, [from, to]) => {
-    const first = Math.ceil(from / apart);
-    const last = Math.floor(to / apart);
-    return range(first, last, last - first).map((k) => [k * apart, 1000 * gap(k * apart)]);
-  };
-  /** @type {() => ChartView} */
-  const view = () => {
-    const scale = 10 ** zoom.value;
-    const half = (end - begin) / 2 / scale;
-    const base = 1000 * now.gap * (1 - 1 / scale ** 2);
-    const middle = bounded(time.value, begin + half, end - half);
-    return {
-      across: [middle - half, middle + half],
-      up: [base - 15 / scale ** 2, base + 30 / scale ** 2],
-      name: [
-        "gap of the head (mm) by the time (s), and samples",
-        "龙头的空隙 (mm) 随时间 (s) 的变化，以及采样",
-      ],
-    };
-  };
-  const size = () => 5 / 10 ** (2 * zoom.value);
-  /** @type {(t: number, handles?: number) => Benches<BenchSizes>} */
-  const benchesAt = (t, handles) => march.benches(t, handles);
-  const now = gapPanes(lab, {
-    time,
-    size,
-    benchesAt,
-    view,
-    draw: (pane) => {
-      const [from, to] = view().across;
-      const fine = (end - begin) / 256 / 2 ** Math.round(zoom.value / Math.log10(2));
-      pane.line(points(fine, [from - fine, Math.min(to + fine, now.seen)]), {
-        colour: "body",
-        width: 2,
-      });
-      const samples = to - from < 100 * length ? points(length, [from, to]) : [];
-      for (const sample of samples) {
-        pane.dot(sample, { colour: sample[1] > 0 ? "text" : "contact" });
-      }
-    },
-  });
+  let seen = begin;
+  /** @type {NearestBench} */
+  let now;
+
   lab.label = [
-    "The head beside the bench that it passes; below, its gap, with samples",
-    "龙头和它经过的板凳；下方是空隙和采样",
+    "The head beside the benches that it passes; below, the samples until now",
+    "龙头和它经过的板凳；下方是至此的采样",
   ];
+  lab.legend([
+    ["head", ["head", "龙头"]],
+    ["contact", ["overlap", "重叠"]],
+    ["text", ["sample without an overlap", "没有发现重叠的采样"]],
+  ]);
   lab.update = () => {
-    time.value = bounded(time.value, begin, end);
     length = roundNumber(step.value);
     if (march?.dragon.widths[0] !== width.value / 1000) {
       march = new March({ benches: 60, width: width.value / 1000 });
@@ -94,29 +62,93 @@ stages["missed-window"] = (lab) => {
       touching = passes.map((t) => ({ ...limits(t), bench: march.passed(t).bench }));
       touching.push({ from: rootBetween(gap, 411, end), to: Infinity, bench: 8 });
     }
-    now.update();
+    now = march.passed(time.value);
+    seen = Math.max(seen, time.value);
   };
+  lab.pane(
+    0.76,
+    () => ({ x: now.ends[0][0], y: now.ends[0][1], size: 4, wide: 4.5 }),
+    (pane) => {
+      const hit = now.gap <= 0 ? now.bench : null;
+      pane.benches(march.benches(time.value, 61), (i) =>
+        i === hit ? "contact" : headAndBodies(i),
+      );
+      const last = length * Math.floor(time.value / length + 1e-9);
+      if (length < flash || time.value > last + flash) return;
+      const overlaps = gap(last) <= 0;
+      const words = lab.say(
+        overlaps
+          ? [`${last} s: overlap`, `${last} s：重叠`]
+          : [`${last} s: no overlap`, `${last} s：没有重叠`],
+      );
+      const colour = overlaps ? "contact" : "text";
+      pane.text(pane.toWorld(pane.width / 2, pane.top + 24), words, { colour });
+    },
+  );
+  const strip = lab.pane(
+    0.24,
+    () => ({
+      across: [begin, end],
+      up: [0, 1],
+      name: ["samples by the time (s)", "采样随时间 (s) 的分布"],
+      apart: Infinity,
+    }),
+    (pane) => {
+      /** @type {(from: number, to: number, look: { colour: string, width: number }) => void} */
+      const bar = (from, to, look) =>
+        pane.line(
+          [
+            [from, 0.5],
+            [Math.min(to, seen), 0.5],
+          ],
+          look,
+        );
+      bar(begin, seen, { colour: "body", width: 2 });
+      for (const { from, to } of touching) {
+        if (from < seen) bar(from, to, { colour: "contact", width: 16 });
+      }
+      const count = Math.floor((seen - begin) / length + 1e-9);
+      if (count > most) bar(begin, seen, { colour: "text", width: 4 });
+      else {
+        for (const k of range(0, count, count)) {
+          const t = begin + k * length;
+          pane.dot([t, 0.5], { colour: gap(t) > 0 ? "text" : "contact", radius: 5 });
+        }
+      }
+    },
+  );
+  lab.knob(["The time: drag it along the strip", "时间：沿时间轴拖动"], {
+    pane: strip,
+    step: 0.01,
+    at: () => [time.value, 0.5],
+    moved: ([t]) => {
+      time.value = t;
+    },
+  });
   lab.readout = () => {
     /** @type {(times: { from: number }) => number} */
     const sampled = ({ from }) => length * Math.ceil(from / length);
     const found = touching.find((each) => sampled(each) <= each.to) ?? lastOf(touching);
-    const t = sampled(found).toFixed(3);
     const missed = found === touching[0] ? null : touching[0];
-    const long = missed && (missed.to - missed.from).toFixed(3);
-    const [english, chinese] = !missed
-      ? ["No contact was missed.", "没有漏掉接触。"]
-      : missed.to > now.seen
-        ? ["", ""]
-        : [
-            `Missed: bench ${missed.bench}, touched for ${long} s.`,
-            `漏掉了与 ${missed.bench} 号板凳的接触，历时 ${long} s。`,
-          ];
     const at = time.value.toFixed(3);
     const apart = (1000 * now.gap).toFixed(3).replace("-", "−");
-    const { bench } = found;
-    return [
-      `${at} s: gap ${apart} mm. The samples find the head in bench ${bench} at ${t} s. ${english}`,
-      `${at} s：空隙 ${apart} mm。采样发现龙头在 ${t} s 与 ${bench} 号板凳重叠。${chinese}`,
-    ];
+    const english = [`${at} s: gap ${apart} mm.`];
+    const chinese = [`${at} s：空隙 ${apart} mm。`];
+    // Only what the time has come to.
+    if (sampled(found) <= seen) {
+      const t = sampled(found).toFixed(3);
+      english.push(`The samples find the head in bench ${found.bench} at ${t} s.`);
+      chinese.push(`采样发现龙头在 ${t} s 与 ${found.bench} 号板凳重叠。`);
+      if (!missed) {
+        english.push("No contact was missed.");
+        chinese.push("没有漏掉接触。");
+      }
+    }
+    if (missed && missed.to <= seen) {
+      const long = (missed.to - missed.from).toFixed(3);
+      english.push(`Missed: bench ${missed.bench}, touched for ${long} s.`);
+      chinese.push(`漏掉了与 ${missed.bench} 号板凳的接触，历时 ${long} s。`);
+    }
+    return [english.join(" "), chinese.join("")];
   };
 };

@@ -1,10 +1,7 @@
 # %% [markdown] order=70 axes="time (s)|gap (mm)"
 # # Is a check each second enough?
-# Make all benches one millimetre wider: 0.301 m. A program that checks each second whether any two
-# overlap finds the head, bench 0, in bench 8, and traces this contact back to its beginning at
-# 412.442 s. Is it the first one?
-# ## Guess
-# In the lesson before, benches of 0.300 m passed each other with 3.0 mm and with 0.9 mm to spare.
+# Benches are one millimetre wider now. A program checks each second whether any overlap: it finds
+# the head in bench 8, and traces that back to 412.442 s.
 
 # %%
 import matplotlib.pyplot as plt
@@ -69,29 +66,19 @@ plt.savefig("missed-window.png", bbox_inches="tight")
 # %% [markdown]
 # ## Answer
 # The head touches bench 11 at 409.776 s, for 0.109 s and 0.023 mm deep, and at 410 s there is a gap
-# again. No step is short enough, as the next contact may be shorter; but if you know how fast a gap
-# can close, each sample clears a time interval, and you sample again only where a doubt is left, as
-# the program and `first_contact` do.
+# again. No step is short enough, as the next contact may be shorter. But if you know how fast a gap
+# can close, each sample clears a time interval, and you sample again only where a doubt is left.
 #
-# What touched before 412.442 s?
-# - Nothing: what is traced back to its beginning seems to be the first, but only this contact is
-#   traced.
-# - **There was one short contact**: with bench 11, 0.109 s long.
-# - There were many contacts: a millimetre on each of 223 benches seems much, but it closes only the
-#   gap of 0.9 mm.
-#
-# How often must you check?
-# - Every tenth of a second: that finds this one, which lasts 0.109 s, but not the next, shorter
-#   one.
-# - Every thousandth: a thousand checks a second feel safe, but there is no shortest contact.
-# - **No step is short enough**: only a bound on the speed makes samples a proof, some 4,000 where
-#   needed.
+# What touched before?
+# - Nothing: what is traced back seems to be the first, but only this contact is traced.
+# - **One bench, briefly**: bench 11, for 0.109 s.
+# - Many benches: a millimetre on each seems much, but it closes only the gap of 0.9 mm.
 # ## Check
 # The depth of 0.023 mm: benches of 0.300 m leave 0.865 mm, as in the lesson before. Half a
 # millimetre more on either side brings the edge of bench 11 nearer by 0.5 mm, and the head's corner
 # by 0.5 mm times $\cos 39.05^\circ$.
 # ## Try
-# Drag the time along the chart: what happened between the samples? Then change how often there is a
+# Drag the time along the strip: what happened between the samples? Then change how often there is a
 # sample. What is the longest step that finds both contacts, and is that more than luck? Make the
 # benches a hair narrower, down to where a contact is so short that even 0.05 s misses it.
 # ## Change
@@ -105,3 +92,9 @@ plt.savefig("missed-window.png", bbox_inches="tight")
 # - Try: 0.2 s, by luck, as 409.8 s lies within the 0.109 s of the contact. At 300.98 mm it lasts
 #   0.052 s, and samples every 0.1 s miss it; at 300.977 mm 0.037 s, and those every 0.05 s do.
 # - Mistakes: a finer step is taken for a proof; the first contact found is taken for the first.
+# - Ask next: how often must you check? Every tenth of a second finds this contact, but not a
+#   shorter one; a thousand checks a second feel safe, but there is no shortest contact. Only a
+#   bound on the speed makes samples a proof: the program and `first_contact` take some 4,000, where
+#   they are needed.
+# - In the lesson before, benches of 0.300 m passed each other with 3.0 mm and with 0.9 mm to spare;
+#   here they have 0.301 m.

@@ -1,12 +1,7 @@
 # %% [markdown] order=60 scene="near-miss" axes="time (s)|gap (mm)"
 # # A hit or a near miss?
-# As the head, bench 0, marches inward, it comes very close to benches of the next turn: to bench 9
-# at 406.8 s, to bench 11 at 409.8 s, to bench 8 at 412.5 s. A bench is 300 mm wide. Which one does
-# it touch first, and how exact must a program be to find that out?
-# ## Guess
-# Two programs take short cuts. One checks at 400 s, 410 s and so on whether benches overlap, and
-# traces an overlap back to its beginning. The other one cuts the coordinates of all handles to
-# whole millimetres.
+# The head passes close to benches of the next turn: bench 9 at 406.8 s, bench 11 at 409.8 s, and
+# bench 8 at 412.5 s.
 
 # %%
 import matplotlib.pyplot as plt
@@ -66,23 +61,13 @@ plt.savefig("near-miss.png", bbox_inches="tight")
 # %% [markdown]
 # ## Answer
 # The head passes bench 9 with 3.0 mm and bench 11 with 0.9 mm to spare, hardly more than a bank
-# card is thick, and runs into bench 8 at 412.474 s. Coordinates that are cut to 1 mm let it hit
-# bench 11 at 409.712 s, a collision that never happens. The program also lets Pymunk march: with
-# care it finds bench 8, but with one iteration in steps of 0.1 s its joints come loose, and benches
-# 200 and 203 meet at 401.6 s.
+# card is thick, and runs into bench 8 at 412.474 s. So a millimetre decides: coordinates that are
+# cut to 1 mm let the head hit bench 11 at 409.712 s, a collision that never happens.
 #
-# Which bench does the head touch first?
+# Which one does it touch first?
 # - Bench 9: it comes first, and in a film a gap of 3 mm cannot be seen.
-# - Bench 11: with 0.9 mm it is so close that a millimetre more or less decides.
-# - **Bench 8**: at 412.474 s, after 3.0 mm to bench 9 and 0.9 mm to bench 11.
-#
-# Which of the two programs find it?
-# - Both: a millimetre seems little on benches of two metres, but the gap is smaller.
-# - Only the one that cuts coordinates: ten seconds seem far too long, but here nothing else touches
-#   in between.
-# - **Only the one that checks every 10 s**: at 410 s there is a gap, and what it finds at 420 s
-#   began at 412.474 s.
-# - Neither: both are coarse, but a coarse step does harm only if it skips a whole contact.
+# - Bench 11: it is so close that a millimetre more or less decides.
+# - **Bench 8**: at 412.474 s.
 # ## Check
 # The gap to bench 11 is 0.865 mm: $C$ is the head's rear left corner then, $A$ and $B$ are handles
 # 11 and 12, on the middle line of bench 11. Subtract $(y_B - y_A)(x_C - x_A)$ from
@@ -105,3 +90,10 @@ plt.savefig("near-miss.png", bbox_inches="tight")
 #   bench 9. The chart skips overlaps of less than 10 ms, and shows 409.79 s, not 409.712 s.
 # - Mistakes: rounding is taken for harmless because it is small against the benches, not against
 #   the gap.
+# - Ask next: one program checks at 400 s, 410 s and so on whether benches overlap, and traces an
+#   overlap back to its beginning; another one cuts the coordinates of all handles to whole
+#   millimetres. Which one finds bench 8? Only the first: at 410 s there is a gap, and what it finds
+#   at 420 s began at 412.474 s; a coarse step does harm only if it skips a whole contact. A
+#   millimetre seems little on benches of two metres, but the gap is smaller.
+# - The program also lets Pymunk march: with care it finds bench 8, but with one iteration in steps
+#   of 0.1 s its joints come loose, and benches 200 and 203 meet at 401.6 s.

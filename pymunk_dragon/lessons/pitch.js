@@ -82,6 +82,13 @@ stages.pitch = (lab) => {
       pane.benches(march.benches(time), (i) => (i === 0 ? "head" : i === hit ? "contact" : "body"));
     },
   );
+  lab.keep(
+    "head",
+    () => time,
+    (given) => {
+      time = bounded(given, 0, stop ?? arrival);
+    },
+  );
   lab.knob(["The head: drag it along the spiral", "龙头：沿螺线拖动"], {
     at: () => march.spiral.frame(march.begin + time),
     moved: (point, way) => {

@@ -1,11 +1,7 @@
 # %% [markdown] order=120 axes="pitch (m)|smallest gap (mm)"
 # # How tight can it coil?
-# The head starts on turn 16 of the spiral and shall come to 4.5 m from its centre, without any
-# bench touching another. With turns 0.55 m apart that is easy. How small may this pitch be, if
-# benches are 0.30 m wide?
-# ## Guess
-# One program proves its answer. Another checks once a second for benches that overlap, and narrows
-# the pitch by that.
+# The dragon shall coil in to 4.5 m from the centre, and no bench may touch another. Benches are
+# 0.30 m wide.
 
 # %%
 import matplotlib.pyplot as plt
@@ -56,21 +52,15 @@ plt.savefig("pitch.png", bbox_inches="tight")
 
 # %% [markdown]
 # ## Answer
-# The smallest pitch is 0.45034 m, half as much again as the width, because a straight bench on a
-# curve sticks out at its ends and sags in at its middle; with it the head just touches bench 19.
-# Checks each second give 0.45027 m, which is too small: no sample has an overlap, but between two
-# of them benches overlap by 0.064 mm.
+# The smallest pitch, the distance from turn to turn, is 0.45034 m, half as much again as the width,
+# because a straight bench on a curve sticks out at its ends and sags in at its middle. With it the
+# head just touches bench 19.
 #
 # How small may the pitch be?
 # - 0.31 m: so little would be enough on a straight line.
 # - 0.38 m: a little more for straight benches on round turns; but the head is 3.41 m long and needs
 #   more.
 # - **0.45 m**: 0.45034 m.
-#
-# The pitch found with a check each second is ...
-# - Right: the bracket is halved until it has seven digits, but digits are not truth.
-# - Too large: this would be so if the checks saw contacts that are none.
-# - **Too small**: 0.45027 m, as a contact between two checks is missed.
 # ## Check
 # The inward march takes 220.9 s: to 4.5 m from the centre there are $16 - 4.5 / 0.45034 = 6.0075$
 # turns, of a mean radius of $(7.205 + 4.5) / 2$ m. Multiply their length by the turns: those are
@@ -91,3 +81,9 @@ plt.savefig("pitch.png", bbox_inches="tight")
 #   450.28 to 450.33 mm.
 # - Mistakes: the pitch is taken to be the width of a bench; many digits are taken for a small
 #   error.
+# - Ask next: a program checks once a second for benches that overlap, and narrows the pitch by
+#   that. Does it find the right one? No, 0.45027 m, which is too small: no sample has an overlap,
+#   but between two of them benches overlap by 0.064 mm. The bracket is halved until it has seven
+#   digits, but digits are not truth. It would be too large if the checks saw contacts that are
+#   none.
+# - The head starts on turn 16; with turns 0.55 m apart the march is easy.

@@ -4,6 +4,8 @@ stages.robot = (lab) => {
   const clear = 1e-9; // m from the path's begin to the base
   const apart = 0.13; // m between drawn points
   const most = 50; // drawn points that are kept
+  const fewest = 4; // points of a path
+  const before = 0.3; // m between the points before those
   const arm = makeDragon({
     benches: 16,
     head: 0.14,
@@ -39,6 +41,19 @@ stages.robot = (lab) => {
     [0.05, 0.05],
     [-0.1, -0.1],
   ];
+  // Before a path that was drawn the arm lies on a straight line and comes in along it. The first
+  // path has such a line itself.
+  let comesIn = false;
+  const reach = arm.spacings.reduce((sum, spacing) => sum + spacing, 0);
+  const lead = () => {
+    const [[x, y], [nextX, nextY]] = points;
+    const away = Math.hypot(nextX - x, nextY - y);
+    const count = comesIn ? Math.ceil(reach / before) : 0;
+    return Array.from({ length: count }, (_, i) => {
+      const back = ((count - i) * before) / away;
+      return /** @type {Point} */ ([x - back * (nextX - x), y - back * (nextY - y)]);
+    });
+  };
   /** @type {DrawnPath} */
   let path;
   let stale = true; // the points have changed since the path was made
@@ -55,6 +70,9 @@ stages.robot = (lab) => {
   /** @type {Chain} */
   let chain;
   let tooShort = false;
+  // The smallest and the largest speed of a joint since the path was made, m/s.
+  let slowest = Infinity;
+  let fastest = 0;
 
   // The arm with its tip at a coordinate: the smallest gap between two links, and which. It is -1
   // where a joint has no place on the path, or would go back.
@@ -77,8 +95,10 @@ stages.robot = (lab) => {
     return { gap, links: [bench, other] };
   };
   const follow = () => {
-    path = new DrawnPath(points);
+    path = new DrawnPath([...lead(), ...points]);
     stale = false;
+    slowest = Infinity;
+    fastest = 0;
     // All of the arm is on the path at the start: each
     // joint is the next one ahead of that behind it.
     begin = arm.spacings.reduceRight((s, spacing) => neighbour(path, s, spacing, 1), clear);
@@ -98,14 +118,16 @@ stages.robot = (lab) => {
       arm,
       path.atLength(path.length(begin) + speed * Math.min(time.value, total)) - clear,
     );
+    const speeds = chain.ratios.map((each) => speed * Math.abs(each));
+    slowest = Math.min(slowest, ...speeds);
+    fastest = Math.max(fastest, ...speeds);
   };
   const ground = lab.pane(
     1,
     () => ({ x: -0.6, y: 0, size: 1.9, wide: 2.9 }),
     (pane) => {
-      pane.text([-0.6, -0.85], lab.say(["draw a new path here", "在这里画一条新路线"]), {
-        colour: "quiet",
-      });
+      const words = lab.say(["draw a new path here", "在这里画一条新路线"]);
+      if (!comesIn) pane.text([-0.6, -0.85], words, { colour: "quiet" });
       pane.line(drawn ?? curvePoints(path, 0, path.end, 0.01), { colour: "curve", width: 2 });
       if (drawn || Number.isNaN(begin)) return;
       /** @type {(i: number) => string} */
@@ -122,9 +144,10 @@ stages.robot = (lab) => {
       const [lastX, lastY] = lastOf(kept);
       if (Math.hypot(x - lastX, y - lastY) >= apart) kept.push([x, y]);
     }
-    tooShort = ended && kept.length < 4;
+    tooShort = ended && kept.length < fewest;
     if (!ended || tooShort) return;
     points = kept.slice(0, most);
+    comesIn = true;
     stale = true;
     time.value = 0;
   });
@@ -140,6 +163,27 @@ stages.robot = (lab) => {
       },
     });
   }
+  lab.keep(
+    "path",
+    () => points,
+    (given) => {
+      if (given.length >= fewest) points = given.slice(0, most);
+      stale = true;
+    },
+  );
+  lab.keep(
+    "drawn",
+    () => Number(comesIn),
+    (given) => {
+      comesIn = given === 1;
+      stale = true;
+    },
+  );
+  lab.legend([
+    ["head", ["tip", "末端"]],
+    ["body", ["arm", "机械臂"]],
+    ["contact", ["links that touch", "相碰的连杆"]],
+  ]);
   lab.readout = () => {
     if (tooShort) {
       return ["The line that you drew is too short for a path.", "画出的线太短，不能作为路线。"];
@@ -147,10 +191,9 @@ stages.robot = (lab) => {
     if (Number.isNaN(begin)) {
       return ["The arm does not fit on this path.", "这条路线放不下机械臂。"];
     }
-    const speeds = chain.ratios.map((each) => speed * Math.abs(each));
     const at = total.toFixed(3);
-    const low = Math.min(...speeds).toFixed(3);
-    const high = Math.max(...speeds).toFixed(3);
+    const low = slowest.toFixed(3);
+    const high = fastest.toFixed(3);
     const [english, chinese] =
       time.value < total
         ? ["", ""]
@@ -166,8 +209,8 @@ stages.robot = (lab) => {
                 `${at} s 时弯太急，有一节连杆转不过去。`,
               ];
     return [
-      `The tip goes at 0.200 m/s, the joints at ${low} to ${high} m/s. ${english}`,
-      `末端 0.200 m/s，各关节 ${low} 到 ${high} m/s。${chinese}`,
+      `The tip goes at 0.200 m/s, the joints so far at ${low} to ${high} m/s. ${english}`,
+      `末端 0.200 m/s，至此各关节 ${low} 到 ${high} m/s。${chinese}`,
     ];
   };
 };

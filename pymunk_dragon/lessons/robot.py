@@ -1,11 +1,7 @@
 # %% [markdown] order=150 scene="robot-arm" axes="x (m)|y (m)"
 # # Does the arm reach the end of its path?
-# A snake arm gets into engines where no hand can reach: its 16 links go where the tip went before.
-# You draw a path, and the tip follows it at a constant speed; how fast do the joints go, and does
-# the arm block itself?
-# ## Guess
-# The tip goes at 0.2 m/s along a drawn curve, with bends to both sides and a narrow loop at its
-# end.
+# The 16 links of a snake arm go where the tip went before. The path bends to both sides, and ends
+# in a narrow loop.
 
 # %%
 import matplotlib.pyplot as plt
@@ -80,18 +76,12 @@ run
 
 # %% [markdown]
 # ## Answer
-# Here no joint is more than some 3 % faster or slower than the tip: both ends of a link go equally
-# fast along it, so the faster one goes more across it. But after 8.67 s the tip runs into link 13:
-# this arm cannot follow this path.
+# The tip runs into link 13 after 8.67 s: this arm cannot follow this path. Until then no joint is
+# more than some 3 % faster or slower than the tip: both ends of a link go equally fast along it, so
+# the faster one goes more across it.
 #
-# On this path, how fast is a joint compared with the tip?
-# - Half as fast: on the inside of a bend the way is shorter, but all joints go the same way.
-# - **As fast to 3 %**: from 0.194 m/s to 0.204 m/s.
-# - Twice as fast: in the dragon's turn one handle is 1.6 times as fast, but there the curvature
-#   jumps.
-#
-# Does the tip get past the links that are still coming in?
-# - Yes: a point would get past, but links have a width.
+# Does the tip reach the end?
+# - Yes: a point would get past the links that are still coming in, but links have a width.
 # - **No**: it meets link 13 after 8.67 s.
 # ## Check
 # The slowest speed, 0.194 m/s: see where that joint was 0.1 s before and after, and divide the
@@ -112,3 +102,8 @@ run
 #   the path of "Change".
 # - Mistakes: the joints of an arm are taken to turn only, and not to move along; a path is checked
 #   for its tip only.
+# - Ask next: how fast is a joint compared with the tip, which goes at 0.2 m/s? As fast to 3 %, from
+#   0.194 m/s to 0.204 m/s. Half as fast, as on the inside of a bend, it cannot be: all joints go
+#   the same way. In the dragon's turn one handle is 1.6 times as fast, but there the curvature
+#   jumps.
+# - Such arms get into engines where no hand can reach.

@@ -81,6 +81,10 @@ stages.sat = (lab) => {
     },
   );
   poses.forEach((pose, i) => {
+    /** @type {(given: Numbers) => void} */
+    const put = ([x, y, angle]) =>
+      pose.splice(0, 3, ...[x, y].map((each) => bounded(each, -farthest, farthest)), angle);
+    lab.keep(["blue", "amber"][i], () => [...pose], put);
     const [english, chinese] = [
       ["blue", "蓝"],
       ["amber", "琥珀"],
@@ -97,6 +101,13 @@ stages.sat = (lab) => {
       },
     });
   });
+  lab.keep(
+    "fifth wall",
+    () => own,
+    (angle) => {
+      own = angle;
+    },
+  );
   lab.knob(["The fifth wall: drag it around", "第五面墙：拖着它转"], {
     step: 0.2,
     at: () => walls[4]?.at(0) ?? [NaN, NaN],

@@ -1,10 +1,7 @@
 # %% [markdown] order=40 axes="angle (degrees)|gap between the shadows (m)"
 # # From how many sides must one look?
-# Two benches are rectangles, 2.20 m long and 0.30 m wide, at any angle to each other. How does a
-# program find out, from nothing but their corners, whether they touch?
-# ## Guess
-# A lamp shines on both from far away. If there is light between their shadows on a wall, the
-# benches are apart.
+# Two benches are rectangles at any angle. A lamp far away throws their shadows on a wall: light
+# between the shadows proves that they are apart.
 
 # %%
 import matplotlib.pyplot as plt
@@ -58,20 +55,19 @@ plt.savefig("sat.png", bbox_inches="tight")
 
 # %% [markdown]
 # ## Answer
-# Four are enough: where two rectangles are apart, a straight line fits between them, which can be
-# shifted and turned until it runs along an edge of one of them, and the edges of both run in only
-# four directions. As long as one of the four axes shows a gap they are apart, and it may be just
-# one, as at 120 degrees; at 60 none is left.
+# Where two rectangles are apart, a straight line fits between them, which can be shifted and turned
+# until it runs along an edge of one of them; and the edges of both run in only four directions. It
+# may be just one of the four that shows a gap, as at 120 degrees; at 60 none is left.
 #
-# From how many directions must you look to be sure?
+# How many walls are always enough?
 # - 2: so it is for upright rectangles, as windows on a screen.
 # - **4**: along and across each bench.
 # - 8: both have eight edges, but opposite edges are parallel.
-# - All around: one gap is proof enough, but it seems that to find it you must search all
-#   directions.
+# - All around: it seems that to find a gap you must search all directions.
 # ## Check
 # The gap at 30 degrees, 0.0701 m: the middle of B is 0.90 m above that of A; take off half the
-# width of A, 0.15 m, and half the shadow of B, $1.10 \sin 30^\circ + 0.15 \cos 30^\circ$.
+# width of A, 0.15 m, and half the shadow of B, $1.10 \sin 30^\circ + 0.15 \cos 30^\circ$. Both
+# benches are 2.20 m long and 0.30 m wide.
 # ## Try
 # Drag and turn the benches, and add walls. With how many walls can the benches be apart without
 # light on any of them? With enough of them: how many have light just before the benches touch, and

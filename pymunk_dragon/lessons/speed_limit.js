@@ -35,12 +35,10 @@ stages["speed-limit"] = (lab) => {
   let curve;
   /** @type {Point[]} */
   let points;
-  /** @type {Point[]} */
-  let profile;
   /** @type {number} */
-  let peak;
-  /** @type {number} */
-  let most;
+  let peak; // m: way of the head where a handle is fastest in the whole turn
+  /** @type {Chain} */
+  let atPeak;
   /** @type {Chain} */
   let chain;
   /** @type {number[]} */
@@ -49,78 +47,77 @@ stages["speed-limit"] = (lab) => {
   let fastest;
   let seen = from;
 
+  /** @type {(s: number) => Chain} */
+  const first = (s) => chainAt(curve, dragon, s, followed);
+  /** @type {(ratios: number[]) => number} */
+  const largestOf = (ratios) => {
+    const sizes = ratios.map(Math.abs);
+    return sizes.findIndex((each) => each > Math.max(...sizes) - 1e-9);
+  };
   /** @type {(s: number) => number} */
-  const largest = (s) => Math.max(...chainAt(curve, dragon, s, followed).ratios.map(Math.abs));
-  lab.label = [
-    "The dragon, red where it is too fast; below, the speed of the fastest handle",
-    "板凳龙，红色处超速；下方是最快的把手的速度",
-  ];
+  const slowness = (s) => -Math.max(...first(s).ratios.map(Math.abs));
+  lab.label = ["The dragon in the turn, the faster the redder", "调头中的板凳龙，越快越红"];
+  lab.legend([
+    ["body", ["1 m/s", "1 m/s"]],
+    ["head", ["2 m/s, the limit", "2 m/s，限速"]],
+    ["contact", ["3.2 m/s", "3.2 m/s"]],
+  ]);
   lab.update = () => {
     if (shown !== ratio.value) {
       shown = ratio.value;
       curve = new UTurn({ ratio: shown });
       points = curvePoints(curve, -60, 74);
-      profile = range(from, until, 500).map((s) => [s, largest(s)]);
-      [peak] = smallestOf(profile, ([, times]) => -times);
-      most = largest(minimumBetween((s) => -largest(s), peak - 0.05, peak + 0.05));
+      const near = smallestOf(range(from, until, 500), slowness);
+      peak = minimumBetween(slowness, near - 0.05, near + 0.05);
+      atPeak = first(peak);
     }
     seen = Math.max(seen, way.value);
     chain = chainAt(curve, dragon, way.value);
     speeds = chain.ratios.map((each) => speed.value * Math.abs(each));
-    fastest = speeds.findIndex((each) => each > Math.max(...speeds) - 1e-9);
+    fastest = largestOf(speeds);
   };
   lab.pane(
-    0.6,
+    1,
     () => ({ x: 0, y: 0, size: 12 }),
     (pane) => {
       pane.line(points, { colour: "curve" });
       pane.benches(benchesBetween(dragon, chain.points), (i) => {
-        const share = Math.max(speeds[i], speeds[i + 1]) / limit;
-        return share > 1 + 1e-9 ? "contact" : lab.mixed("body", "head", 2 * share - 1);
+        const ends = [speeds[i], speeds[i + 1]];
+        const share = (ends[0] + ends[1]) / 2 / limit;
+        // A clear step at the limit, and red at 1.6 times it.
+        return Math.max(...ends) > limit + 1e-9
+          ? lab.mixed("head", "contact", 0.4 + (share - 1))
+          : lab.mixed("body", "head", 2 * share - 1);
       });
-      pane.text(chain.points[fastest], show(speeds[fastest]), { dy: -16 });
+      if (seen >= peak) {
+        const place = atPeak.points[largestOf(atPeak.ratios)];
+        pane.dot(place, { colour: "ink", radius: 5 });
+        pane.text(place, lab.say(["fastest here", "此处最快"]), { dy: 18 });
+      }
+      pane.text(chain.points[fastest], show(speeds[fastest]), { dy: fastest ? -16 : -26 });
     },
   );
-  const chart = lab.pane(
-    0.4,
-    () => ({
-      across: [from, until],
-      up: [0.8, 3.4],
-      name: [
-        "fastest handle (m/s) by the head's way (m)",
-        "最快的把手 (m/s) 随龙头路程 (m) 的变化",
-      ],
-    }),
-    (pane) => {
-      pane.line(
-        [
-          [from, limit],
-          [until, limit],
-        ],
-        { colour: "contact", width: 2, dash: [6, 4] },
-      );
-      pane.line(
-        profile.map(([s, times]) => [s, s > seen ? NaN : times * speed.value]),
-        { colour: "body", width: 2 },
-      );
-    },
-  );
-  lab.knob(["The head's way: drag it along the chart", "龙头的路程：沿图表拖动"], {
-    pane: chart,
-    step: 0.1,
-    at: () => [way.value, speeds[fastest]],
-    moved: ([s]) => {
-      way.value = s;
+  lab.knob(["The head: drag it along its way", "龙头：沿路线拖动"], {
+    at: () => chain.points[0],
+    moved: (point, key) => {
+      way.value = key ? way.value + key / 10 : nearestOn(curve, point, from, until);
     },
   });
   lab.readout = () => {
     const now = show(speeds[fastest]);
-    const top = seen < peak ? "–" : show(most * speed.value);
     const times = (speeds[fastest] / speed.value).toFixed(3);
+    const most = largestOf(atPeak.ratios);
+    const top = show(Math.abs(atPeak.ratios[most]) * speed.value);
+    const [english, chinese] =
+      seen < peak
+        ? ["", ""]
+        : [
+            ` In the whole turn: ${top}, handle ${most}.`,
+            `整个调头过程中最快：${top}，${most} 号把手。`,
+          ];
     return [
-      `The fastest now: handle ${fastest}, ${now}, ${times} times the head's speed. ` +
-        `In the whole turn: ${top}.`,
-      `此刻最快的是 ${fastest} 号把手：${now}，是龙头的 ${times} 倍。整个调头过程中最快：${top}。`,
+      `The fastest now: handle ${fastest}, ${now}, ${times} times the head's speed.${english}`,
+      `此刻最快的是 ${fastest} 号把手：${now}，是龙头的 ${times} 倍。${chinese}`,
     ];
   };
 };

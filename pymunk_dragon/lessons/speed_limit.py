@@ -1,9 +1,6 @@
 # %% [markdown] order=140 axes="time (s)|speed (m/s)"
 # # Who is the fastest in the turn?
-# In the turn inside the circle 9 m wide the head keeps a steady speed. If 2 m/s is the limit for
-# all, who reaches it first, and how fast may the head go?
-# ## Guess
-# Imagine the turn from above, with the head at a steady speed on both arcs.
+# In the turn inside a circle 9 m wide the head keeps a steady speed. Nobody may exceed 2 m/s.
 
 # %%
 import matplotlib.pyplot as plt
@@ -48,22 +45,15 @@ plt.savefig("speed-limit.png", bbox_inches="tight")
 
 # %% [markdown]
 # ## Answer
-# Handles 3 to 7 get 1.605 times as fast as the head, so 1.246 m/s is all that it may go. Then the
-# head has just left the narrow arc while handle 1 is still on it, so the path crosses the head
-# bench at 46 degrees in front and at 63 degrees behind. Both handles are equally fast along the
-# rigid bench, so the rear one has to be 1.55 times as fast, and bench 2, which lies across the
-# point where both arcs meet, adds another 3 percent.
+# Handles 3 to 7 get 1.605 times as fast as the head, so 1.246 m/s is all that it may go. Then it
+# has just left the narrow arc while handle 1 is still on it: the path crosses the head bench at 46
+# degrees in front and at 63 degrees behind. Both handles are equally fast along the rigid bench, so
+# the rear one has to be 1.55 times as fast.
 #
 # Who has to run fastest?
-# - The head: it leads, but those behind it have to make good for the angles of their benches.
+# - The head: it leads, but the angles of the benches make those behind faster.
 # - **Somebody close behind it**: handles 3 to 7.
-# - The tail: it is the tip of a whip, and 1.58 times as fast as the head; but a little is lost from
-#   bench to bench.
-#
-# How fast may the head go?
-# - 2 m/s: if all went as fast as the head.
-# - 1.6 m/s: that is the ratio of the speeds, 1.605, and not the speed of the head.
-# - **About 1.25 m/s**: 1.246 m/s.
+# - The tail: it is 1.58 times as fast as the head, as a little is lost from bench to bench.
 # ## Check
 # The ratio of 1.605: type $\cos 46.0060^\circ / \cos 63.4555^\circ$ times
 # $\cos 4.7067^\circ / \cos 15.1517^\circ$ into a calculator that reckons in degrees. Bench 1 adds
@@ -83,3 +73,6 @@ plt.savefig("speed-limit.png", bbox_inches="tight")
 # - Try: the head has just left the narrow arc, and handles 3 to 7 are on the wide one. 1.246 m/s.
 # - Mistakes: a steady head is taken to mean a steady dragon; the longest lever is sought at the
 #   tail.
+# - Ask next: how fast may the head go? Not 2 m/s, which it could if all went as fast as the head,
+#   and not 1.6 m/s, which is the ratio of the speeds, but about 1.25 m/s. Bench 2, which lies
+#   across the point where both arcs meet, adds another 3 percent to the ratio.

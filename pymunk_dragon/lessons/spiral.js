@@ -15,7 +15,7 @@ stages.spiral = (lab) => {
     step: 1,
     value: 0,
     unit: "s",
-    play: () => 20,
+    play: () => 40,
   });
   const dragon = makeDragon();
   /** @type {Spiral} */

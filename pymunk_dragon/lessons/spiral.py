@@ -1,11 +1,6 @@
 # %% [markdown] order=10 axes="time (s)|turning (rad/s)"
 # # How fast do you turn to watch the head?
-# In the bench dragon, a folk dance, some 200 benches hinged end to end coil inward on a spiral. The
-# head walks at 1 m/s all the time, and you stand in the centre and turn so that you always face it.
-# Do you turn at a steady speed too?
-# ## Guess
-# At the start you turn so slowly that a whole round would take 55 s. After 400 s the head is only a
-# third as far away.
+# The head walks inward at 1 m/s. You stand in the centre and turn to face it: a round takes 55 s.
 
 # %%
 import matplotlib.pyplot as plt
@@ -41,20 +36,19 @@ plt.savefig("spiral.png", bbox_inches="tight")
 
 # %% [markdown]
 # ## Answer
-# At the distance $r$ you turn by 1 radian while the head walks about $r$ metres, so the closer it
+# At the distance $r$ you turn by 1 radian while the head walks about $r$ metres. So the closer it
 # is, the further the same metre turns you: 0.114 rad/s at the start, but 0.367 rad/s after 400 s.
-# Along the curve nothing changes: on the spiral $r = k \theta$ a step is
-# $\mathrm{d}s = k \sqrt{\theta^2 + 1}\,\mathrm{d}\theta$, and $\mathrm{d}\theta$ grows just as fast
-# as the root shrinks.
 #
-# How long would a round take then?
+# How long at a third of the distance?
 # - Still 55 s: the head does walk steadily, but what is steady along the curve is not steady about
 #   the centre.
-# - **About 17 s**: 17.1 s, a third of 55 s at a third of the distance.
+# - **About 17 s**: 17.1 s, a third of 55 s.
 # - About 6 s: as if the time fell with the square of the distance, as an area does.
 # ## Check
 # The last rate, 0.367 rad/s: divide 1 m/s by $k \sqrt{\theta^2 + 1}$, which is $\sqrt{r^2 + k^2}$,
-# with $r = 2.724$ m and $k = 0.55 / (2 \pi) = 0.0875$ m.
+# with $r = 2.724$ m and $k = 0.55 / (2 \pi) = 0.0875$ m. On the spiral $r = k \theta$ a step is
+# $\mathrm{d}s = k \sqrt{\theta^2 + 1}\,\mathrm{d}\theta$, and $\mathrm{d}\theta$ grows just as fast
+# as the root shrinks: along the curve nothing changes.
 # ## Try
 # The shaded angle is that of 5 s of walking. Drag the head, and note the time of a round at three
 # distances: by which rule do they depend on each other? Change the pitch, the distance from turn to

@@ -1,11 +1,6 @@
 # %% [markdown] order=110 scene="tension" view=[-24,0,54,10] axes="joint, head to tail|force (N)"
 # # Which joint breaks first?
-# A head pulls 24 benches of 10 kg along a straight line, always at 1 m/s, and the ground drags at
-# each of them: alone it would lose half of its speed in a second. Which joint has the most to
-# carry? And if the ground were ice?
-# ## Guess
-# Draw the force over the joints from head to tail: on the ground, on ice, and a third time where
-# every second bench has a dancer, who pushes it as hard as the ground drags at it.
+# A head pulls 24 equal benches straight ahead at 1 m/s, and the ground drags at each of them.
 
 # %%
 from itertools import pairwise
@@ -66,8 +61,15 @@ def first(space: pymunk.Space) -> float:
     return impulse / (space.current_time_step or STEP)
 
 
+def pull(space: pymunk.Space, force: float) -> None:
+    """Live, from now on a hand pulls the last bench back with a force, N."""
+    vars(space)["pull"] = force
+
+
 def follow(space: pymunk.Space, time: float) -> None:
-    """Live, the benches are seen by somebody who walks beside the head."""
+    """Live, the hand pulls, and the benches are seen by somebody who walks beside the head."""
+    *_, last = space.bodies
+    last.force -= (vars(space).get("pull", 0), 0)
     for body in space.bodies:
         body.position -= (space.current_time_step, 0)
 
@@ -75,6 +77,7 @@ def follow(space: pymunk.Space, time: float) -> None:
 sliders = [
     Slider("benches", 2, 24, label="Benches", rebuilds=True),
     Slider("dancers", 0, 24, label="Dancers", rebuilds=True),
+    Slider("pull", 0, 200, 0, label="Pull at the last bench", unit="N", action=pull),
 ]
 # With longer steps, the engine tears the chain apart.
 sliders.append(Slider("step", 1, 50, label="Time step", unit="ms", logarithmic=True))
@@ -107,24 +110,20 @@ plt.savefig("tension.png", bbox_inches="tight")
 
 # %% [markdown]
 # ## Answer
-# The first joint, as each of them pulls all the benches behind it: the force falls evenly from head
-# to tail, and in stairs where every second bench is pushed. On ice no one has to pull, because what
-# moves goes on by itself.
+# Each joint pulls all the benches behind it, so the force falls evenly from head to tail, and in
+# stairs where every second bench is pushed. On ice no one has to pull, because what moves goes on
+# by itself.
 #
-# Which joint has the most to carry on the ground?
+# Which joint has the most to carry?
 # - **The first, behind the head**: 166 N, the drag on all 24 benches.
 # - One in the middle: a rope seems to tear where it is longest on both sides, but what is ahead of
 #   a joint pulls it.
 # - The last: it is the farthest from the head, but only one bench hangs on it.
-#
-# And on ice?
-# - Again the first: it still has the most benches behind it, but nothing drags at them.
-# - All carry the same force: so it would be with a massless rope and a load that drags at its end.
-# - **None carries any**: at a steady speed on ice there is no force along the chain.
 # ## Check
 # The drag on a bench at 1 m/s is $10 \ln 2 = 6.93$ N, so 24 of them take 166.4 N. The engine has
 # 6.91 N and 165.8 N: in a step of 0.01 s it takes a part $1 - 0.5^{0.01}$ of 1 m/s, a little less
-# than $0.01 \ln 2$, as the speed falls in it.
+# than $0.01 \ln 2$, as the speed falls in it. (A bench of 10 kg alone would lose half of its speed
+# in a second.)
 # ## Try
 # Read the force in the first joint in all three cases: on the ground, with 12 dancers, and on ice,
 # where all of the speed is kept. Pull at a bench. Which joint would you cut to relieve most of the
@@ -140,3 +139,8 @@ plt.savefig("tension.png", bbox_inches="tight")
 #   relieves all of them.
 # - Mistakes: a force is taken to be needed for motion, also on ice; the tension is taken to be the
 #   same everywhere.
+# - Ask next: and if the ground were ice? No joint carries any force. Most expect the first one
+#   again, but nothing drags at the benches behind it; all would carry the same force with a
+#   massless rope and a load that drags at its end.
+# - Have the class draw the force over the joints: on the ground, on ice, and where every second
+#   bench has a dancer, who pushes it as hard as the ground drags at it.

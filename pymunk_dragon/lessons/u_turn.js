@@ -9,11 +9,12 @@ stages["u-turn"] = (lab) => {
     value: -2,
     unit: "s",
     digits: 2,
-    play: () => 1,
+    play: () => 1.25,
   });
   const dragon = makeDragon({ benches: 60 });
   const contest = new UTurn({ ratio: 2 });
   let share = 0;
+  let bent = false; // whether the point was dragged
   /** @type {UTurn} */
   let own;
   /** @type {number} */
@@ -25,6 +26,28 @@ stages["u-turn"] = (lab) => {
     jam = range(0, 20, 1000).find((s) => !(chainAt(own, dragon, s, 2).ratios[1] > 0)) ?? Infinity;
   };
   bend();
+  lab.keep(
+    "share",
+    () => share,
+    (given) => {
+      share = bounded(given, -farthest, farthest);
+      bent = true;
+      bend();
+    },
+  );
+
+  // Lengths of the arcs, once they say no more of the guess than the learner has seen.
+  const measured = () => bent || time.value > contest.length;
+  /** @type {(pane: StagePane, curve: UTurn, colour: string) => void} */
+  const drawLengths = (pane, curve, colour) => {
+    const [first, second] = curve.lengths;
+    for (const [middle, length] of [
+      [first / 2, first],
+      [first + second / 2, second],
+    ]) {
+      pane.text(curve.frame(middle), `${length.toFixed(2)} m`, { colour });
+    }
+  };
 
   // A dragon on its curve; from the time `last` on only the head's handle.
   /** @type {(pane: StagePane, curve: UTurn, colour: string, last: number) => void} */
@@ -37,6 +60,11 @@ stages["u-turn"] = (lab) => {
     pane.dot(points[0], { colour, radius: 7 });
   };
 
+  lab.legend([
+    ["body", ["contest", "竞赛题"]],
+    ["tail", ["you", "你"]],
+    ["rule", ["circle of 9 m", "直径 9 m 的圆"]],
+  ]);
   lab.label = [
     "Two dragons that turn inside the circle along different arcs",
     "两条板凳龙沿不同的圆弧在圆内调头",
@@ -49,6 +77,7 @@ stages["u-turn"] = (lab) => {
       pane.line([own.points[0], own.points[2]], { colour: "quiet", dash: [5, 5] });
       drawDragon(pane, contest, "body", Infinity);
       drawDragon(pane, own, "tail", jam);
+      if (measured()) drawLengths(pane, own, "tail");
       pane.text(contest.frame(time.value), lab.say(["contest", "竞赛题"]), { dy: -16 });
       pane.text(own.frame(time.value), lab.say(["you", "你"]), { dy: 18 });
     },
@@ -64,6 +93,7 @@ stages["u-turn"] = (lab) => {
         const [ex, ey] = own.points[0];
         const given = way ? share + 0.02 * way : (x * ex + y * ey) / radius ** 2;
         share = bounded(given, -farthest, farthest);
+        bent = true;
         bend();
       },
     },
@@ -78,16 +108,19 @@ stages["u-turn"] = (lab) => {
         [one, two].map((each) => each.toFixed(2)).join(" + ") + ` = ${(one + two).toFixed(2)} m`
       );
     };
-    const [english, chinese] =
-      time.value < jam
-        ? ["", ""]
-        : [
-            " But your head's bench would push its rear handle back.",
-            "但是你的龙头会把后把手往回推。",
-          ];
-    return [
-      `Walked on the two arcs: the contest's ${sum(contest)}, yours ${sum(own)}.${english}`,
-      `两段弧上走过的路：竞赛题 ${sum(contest)}，你的 ${sum(own)}。${chinese}`,
-    ];
+    const english = [`Walked: the contest's ${sum(contest)}, yours ${sum(own)}.`];
+    const chinese = [`走过的路：竞赛题 ${sum(contest)}，你的 ${sum(own)}。`];
+    // At the end they are what was walked.
+    if (bent && time.value < own.length) {
+      const arcs = own.lengths.map((each) => each.toFixed(2)).join(" + ");
+      const all = own.length.toFixed(2);
+      english.push(`Your arcs: ${arcs} = ${all} m.`);
+      chinese.push(`你的两段弧：${arcs} = ${all} m。`);
+    }
+    if (time.value >= jam) {
+      english.push("But your head's bench would push its rear handle back.");
+      chinese.push("但是你的龙头会把后把手往回推。");
+    }
+    return [english.join(" "), chinese.join("")];
   };
 };

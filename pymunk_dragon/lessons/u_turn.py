@@ -1,10 +1,7 @@
 # %% [markdown] order=130 axes="ratio of the radii|length of the turn (m)"
 # # Which turn is shorter?
-# The dragon comes in on a spiral of 1.7 m a turn, goes round within a circle 9 m wide on two arcs
-# that touch each other and both spirals, and out again. In the contest the first arc has twice the
-# radius of the second; a rival takes two equal ones. Whose turn is shorter?
-# ## Guess
-# Both dragons enter the circle at the same moment, at 1 m/s.
+# Two dragons turn in a circle, each on two arcs: one on a wide and a narrow arc, one on equal arcs.
+# Both enter at once.
 
 # %%
 import matplotlib.pyplot as plt
@@ -29,17 +26,14 @@ plt.savefig("u-turn.png", bbox_inches="tight")
 
 # %% [markdown]
 # ## Answer
-# Both leave at once, after 13.62 m: the head leaves opposite to where it came in, and in the same
-# direction, so the one arc turns it by as much as the other turns it back, 173.1 degrees. Arcs of
-# the same angle have the same shape, so both are the same number of times as long as their chords,
-# and these share out the diameter of 9 m.
+# Each head leaves opposite to where it came in, and in the same direction, so the one arc turns it
+# by as much as the other turns it back, 173.1 degrees. Arcs of the same angle have the same shape,
+# so both are the same number of times as long as their chords, and these share out the diameter.
 #
-# Which one leaves it first?
-# - The one with unequal arcs: its second arc is a short cut, but its first one is longer by as
-#   much.
-# - The one with equal arcs: what is even is often shortest, as a square among rectangles, but not
-#   here.
-# - **Both at once**: 13.62 m each.
+# Which one leaves first?
+# - Unequal arcs: the second arc is a short cut, but the first one is longer by as much.
+# - Equal arcs: what is even is often shortest, as a square among rectangles, but not here.
+# - **Both at once**: after 13.62 m each.
 # ## Check
 # The length, 13.62 m: the path enters at $a = \arctan(2 \pi \cdot 4.5 / 1.7) = 1.5107$ radians to
 # the diameter, which is half the angle of an arc. So an arc is $a / \sin a$ times as long as its
@@ -58,3 +52,6 @@ plt.savefig("u-turn.png", bbox_inches="tight")
 # - Try: both lengths change, but their sum stays 13.62 m.
 # - Mistakes: a smaller radius is taken to mean a shorter path; the angles are taken to depend on
 #   the radii.
+# - In the contest the dragon comes in on a spiral of 1.7 m a turn, goes round within a circle 9 m
+#   wide on two arcs that touch each other and both spirals, and out again; there the first arc has
+#   twice the radius of the second.

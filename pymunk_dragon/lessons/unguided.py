@@ -1,10 +1,7 @@
 # %% [markdown] order=80 scene="unguided"
 # # Who keeps the dragon on its path?
-# The dancers let go, and only the head goes on along its spiral and pulls the other 222 benches.
-# The ground drags at every bench, as much as you like: not at all on ice, very much in mud. Where
-# do the benches go?
-# ## Guess
-# Only the head pulls.
+# The dancers let go. Only the head goes on along the spiral, and pulls the other 222 benches over
+# smooth ice.
 
 # %%
 import numpy as np
@@ -47,24 +44,15 @@ runs[0]
 
 # %% [markdown]
 # ## Answer
-# On ice it takes no dancers: all joints pull with the same force, 8 N, and wherever the chain
-# bends, the two pulls on a bench add up to just the force inwards that its turn needs. It does not
-# depend on the bend, so a chain that moves along any curve goes on along it. The pull can only fail
-# at the free end: the last twenty benches swing out like the end of a whip, and at 11.7 s benches
-# 162 and 206 touch. It is the drag that takes the dragon off its path: it stops the benches, so
-# that the head has to haul them, with a thousand newton, and a chain that is hauled straightens.
+# On ice all joints pull with the same force, 8 N. Wherever the chain bends, the two pulls on a
+# bench add up to just the force inwards that its turn needs, whatever the bend. It can only fail at
+# the free end, where the last twenty benches swing out. On the ground the drag stops the benches;
+# the head has to haul them, and a chain that is hauled straightens.
 #
-# Where do the benches go on ice?
-# - They cut across: so they do on the ground, where the head has to haul them along.
-# - They swing outwards: a single bench would fly straight on, but here the benches before and
-#   behind pull it inwards.
-# - **They keep to the spiral**: bench 100 is 0.3 mm off at 11.7 s. Only the last twenty swing out.
-#
-# And on the ground, where a bench that is let go stops within 10 cm?
-# - They keep to the spiral: so a train does, but it has rails.
-# - They swing outwards: their speed is gone before that.
-# - **They cut across**: bench 4 is 5.74 m from the middle, not 8.77 m, and at 10.9 s benches 1 and
-#   28 touch.
+# Where do they go?
+# - They cut across: so they do where the ground drags.
+# - They swing outwards: a single bench would, but its neighbours pull it inwards.
+# - **They keep to the spiral**: bench 100 is 0.3 mm off at 11.7 s.
 # ## Check
 # The 8 N: a bench of $m = 13.2$ kg and $l = 1.65$ m between its holes moves at $v = 1$ m/s. On a
 # circle of the radius $r$ the pulls $F$ at its two ends differ in direction by $l / r$, so together
@@ -84,3 +72,9 @@ runs[0]
 #   the end of a whip; in mud it does not move at all.
 # - Mistakes: a centrifugal force is expected to drive the chain outwards; a chain is taken to cut
 #   across always.
+# - Ask next: and on the ground, where a bench that is let go stops within 10 cm? They cut across:
+#   bench 4 is 5.74 m from the middle, not 8.77 m, and at 10.9 s benches 1 and 28 touch; the head
+#   hauls them with a thousand newton. A train keeps to its path, but it has rails. They cannot
+#   swing outwards, as their speed is gone before that.
+# - On ice the last twenty benches swing out like the end of a whip, and at 11.7 s benches 162 and
+#   206 touch.

@@ -1,12 +1,12 @@
-// Drag the time step: how wrong is a speed from two positions, and how fast is the tail?
+// How fast is the tail, and how wrong is a speed from two positions a time step apart?
 stages.velocity = (lab) => {
   const time = lab.slider(["time", "时间"], {
     min: 0,
-    max: 412,
+    max: 300,
     step: 1,
     value: 0,
     unit: "s",
-    play: () => 10,
+    play: () => 20,
   });
   const units = ["s", "ms", "µs", "ns", "ps"];
   /** @type {(exponent: number) => string} */
@@ -20,6 +20,7 @@ stages.velocity = (lab) => {
     step: 0.1,
     value: 0,
     show,
+    play: () => 1,
   });
   const march = new March();
   const { spiral, dragon } = march;
@@ -30,15 +31,17 @@ stages.velocity = (lab) => {
   let speeds;
   /** @type {number} */
   let error;
-  /** @type {Map<number, number>} */
-  let tried;
-  /** @type {number} */
-  let triedAt;
+  // The smallest error of the steps that were tried at a time.
+  let best = { time: NaN, step: NaN, error: Infinity };
 
   lab.label = [
-    "The dragon, the slower the darker; below, the error of its speeds",
-    "板凳龙，颜色越深越慢；下方是速度的误差",
+    "The dragon, the slower the redder, with the speeds of head and tail",
+    "板凳龙，越慢越红，标有龙头和龙尾的速度",
   ];
+  lab.legend([
+    ["head", ["as fast as the head", "与龙头一样快"]],
+    ["contact", ["as slow as the tail", "与龙尾一样慢"]],
+  ]);
   lab.update = () => {
     const length = 10 ** step.value;
     const later = march.chain(time.value + length);
@@ -52,18 +55,16 @@ stages.velocity = (lab) => {
         return Math.abs((spiral.k * Math.hypot(theta, 1) * turned) / length - speeds[i]);
       }),
     );
-    if (triedAt !== time.value) {
-      tried = new Map();
-      triedAt = time.value;
+    if (best.time !== time.value || error < best.error) {
+      best = { time: time.value, step: step.value, error };
     }
-    tried.set(step.value, Math.log10(error));
   };
   lab.pane(
-    0.55,
+    1,
     () => ({
       x: 0,
       y: 0,
-      size: 2.6 * Math.hypot(lastOf(chain.points)[0], lastOf(chain.points)[1]),
+      size: 2.25 * Math.hypot(lastOf(chain.points)[0], lastOf(chain.points)[1]),
     }),
     (pane) => {
       pane.line(points, { colour: "curve" });
@@ -72,8 +73,9 @@ stages.velocity = (lab) => {
       pane.benches(benchesBetween(dragon, chain.points), (i) =>
         lab.mixed("head", "contact", loss(i)),
       );
-      for (const i of [0, 223]) {
-        pane.text(chain.points[i], `${(1000 * speeds[i]).toFixed(1)} mm/s`, { dy: -14 });
+      const ends = { [lab.say(["head", "龙头"])]: 0, [lab.say(["tail", "龙尾"])]: dragon.benches };
+      for (const [name, i] of Object.entries(ends)) {
+        pane.text(chain.points[i], `${name} ${(1000 * speeds[i]).toFixed(1)} mm/s`, { dy: -14 });
       }
     },
   );
@@ -81,37 +83,25 @@ stages.velocity = (lab) => {
   /** @type {(n: number | string) => string} */
   const tick = (n) =>
     `10${String(n).replace(/./g, (digit) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(digit)])}`;
-  const chart = lab.pane(
-    0.45,
-    () => ({
-      across: [-10.4, 0.4],
-      up: [-10, -1],
-      tick,
-      name: ["error (m/s) by the time step (s)", "误差 (m/s) 随时间步长 (s) 的变化"],
-    }),
-    (pane) => {
-      for (const each of tried) pane.dot(each, { colour: "body" });
-    },
-  );
-  lab.knob(["The time step: drag it along the chart", "时间步长：沿图表拖动"], {
-    pane: chart,
-    step: 0.1,
-    at: () => [step.value, Math.log10(error)],
-    moved: ([exponent]) => {
-      step.value = exponent;
-    },
-  });
+  /** @type {(value: number) => string} */
+  const metresPerSecond = (value) =>
+    value.toExponential(1).replace(/e(.*)/, (_, power) => `·${tick(power)} m/s`);
   lab.readout = () => {
     const tail = 1000 * lastOf(speeds);
     const last = tail.toFixed(3);
     const slower = (1000 - tail).toFixed(3);
     const length = show(step.value);
-    const wrong = error.toExponential(1).replace(/e(.*)/, (_, power) => `·${tick(power)}`);
+    const wrong = metresPerSecond(error);
+    const least = `${show(best.step)}, ${metresPerSecond(best.error)}`;
+    const [english, chinese] =
+      best.step === step.value
+        ? ["", ""]
+        : [` The best step so far: ${least}.`, `至此最好的步长：${least}。`];
     return [
       `The tail: ${last} mm/s, ${slower} mm/s slower than the head. ` +
-        `From positions ${length} apart: ${wrong} m/s off.`,
+        `From positions ${length} apart: ${wrong} off.${english}`,
       `龙尾 ${last} mm/s，比龙头慢 ${slower} mm/s。` +
-        `由相隔 ${length} 的两个位置求得：误差 ${wrong} m/s。`,
+        `由相隔 ${length} 的两个位置求得：误差 ${wrong}。${chinese}`,
     ];
   };
 };

@@ -1,10 +1,6 @@
 # %% [markdown] order=30 axes="handle|speed (m/s)"
 # # How fast is the tail?
-# All 223 benches are rigid and hang together, and the head walks at 1 m/s. How fast is the tail,
-# five minutes after the start? And can you find its speed from two positions, a moment apart?
-# ## Guess
-# Two positions a time step apart give a speed: the angle between them, seen from the centre, times
-# the metres in a radian there, over that time.
+# All 223 benches are rigid and hinged end to end. The head walks inward at 1 m/s.
 
 # %%
 import matplotlib.pyplot as plt
@@ -41,24 +37,15 @@ plt.savefig("velocity.png", bbox_inches="tight")
 
 # %% [markdown]
 # ## Answer
-# A rigid bench keeps its length, so both its handles go equally fast along it; the front one goes
+# A rigid bench keeps its length, so both its handles go equally fast along it. The front one goes
 # at a slightly larger angle to it, because the spiral is more curved there, and so has to be
-# faster: 223 such benches leave the tail with 0.9965 m/s. Two positions give the same, with an
-# error that shrinks with the step, until they are so close, at some 10 microseconds (30 on the
-# stage), that most of their digits are equal and the rounding of the last ones takes over.
+# faster: 223 such benches leave the tail with 0.9965 m/s.
 #
-# How fast is the tail?
-# - As fast as the head: so it is on a straight line and on a circle, where all angles are equal.
+# How fast is the tail after five minutes?
+# - As fast as the head: so it is on a straight line and on a circle.
 # - **3.5 mm/s slower**: 0.9965 m/s.
-# - 35 mm/s slower: 223 benches seem many, but most of them lie on wide turns, where a bench loses
-#   next to nothing.
-# - 3.5 mm/s faster: on a turning wheel what is further out is faster, but here nothing turns about
-#   the centre as one.
-#
-# Which time step gives the smallest error?
-# - 1 s: a long way can be measured well, but meanwhile the speed changes.
-# - **Some tens of microseconds**: with shorter steps rounding takes over.
-# - The shorter, the better: so it is in mathematics, where numbers have all their digits.
+# - 35 mm/s slower: 223 benches seem many, but on wide turns a bench loses next to nothing.
+# - 3.5 mm/s faster: on a wheel what is further out is faster, but here nothing turns as one.
 # ## Check
 # Handle 1's speed, 0.999709 m/s: type $\cos 16.5892^\circ / \cos 16.5332^\circ$ into a calculator
 # that reckons in degrees. The paper's table 2 has 0.999, as it cuts off what follows.
@@ -76,3 +63,8 @@ plt.savefig("velocity.png", bbox_inches="tight")
 # - Try: a tenth of the step leaves a tenth of the error, down to 10 microseconds. More than half of
 #   the speed is lost in the first 50 benches, where the turns are narrow.
 # - Mistakes: rigid is taken to mean equally fast; computers are believed to be exact.
+# - Ask next: the angle between two positions a time step apart, seen from the centre, times the
+#   metres in a radian, over that time, is a speed. Which step gives the smallest error? Not 1 s, as
+#   meanwhile the speed changes, and not the shortest one, as in mathematics, where numbers have all
+#   their digits: at some tens of microseconds most digits of both positions are equal, and rounding
+#   takes over.

@@ -1,7 +1,7 @@
 """Live sessions: start, frame rate, delay of the mouse, many clients, memory, and WebAssembly.
 
-`python tests/bench/bench_live.py [start browser delay soak pyodide page]`; `browser`, `delay` and
-`page` need Chromium, `pyodide` and `page` what `tests/in_node.py` describes.
+`python tests/bench/bench_live.py [start browser delay lessons soak pyodide page]`; `browser`,
+`delay`, `lessons` and `page` need Chromium, `pyodide` and `page` what `tests/in_node.py` describes.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 import asyncio
 import gzip
 import json
+import math
 import re
 import subprocess
 import sys
@@ -35,6 +36,7 @@ import in_node
 from browser import CHROMIUM, chromium, opened, wait_until
 from live_sessions import SocketClient, joined
 
+from pymunk_dragon.lessons import LESSONS, write_lessons
 from pymunk_dragon.publish.site import publish_program
 from pymunk_dragon.sessions import Slider, live
 from pymunk_dragon.sessions.scenes import _boxes
@@ -146,16 +148,35 @@ def soak() -> None:
         print(f"{frames:.1f} frames a second, {simulated:.3f} times real time")
 
 
-def circles() -> pymunk.Space:
-    """3,000 circles in a tub."""
+def circles(count: int) -> pymunk.Space:
+    """Circles that fall in a tub."""
     space = pymunk.Space()
     space.gravity = 0, -900
-    for a, b in (((0, 0), (1000, 0)), ((0, 0), (0, 1500)), ((1000, 0), (1000, 1500))):
+    columns = round(math.sqrt(1.2 * count))
+    width = 16 * columns + 40
+    height = 1.5 * width
+    for a, b in (((0, 0), (width, 0)), ((0, 0), (0, height)), ((width, 0), (width, height))):
         space.add(pymunk.Segment(space.static_body, a, b, 5))
-    for i in range(3000):
+    for i in range(count):
         body = pymunk.Body(1, 10)
-        body.position = 20 + 16 * (i % 60), 20 + 16 * (i // 60)
+        body.position = 20 + 16 * (i % columns), 20 + 16 * (i // columns)
         space.add(body, pymunk.Circle(body, 7))
+    return space
+
+
+def pyramid(rows: int) -> pymunk.Space:
+    """Boxes that sleep."""
+    space = pymunk.Space()
+    space.gravity = 0, -900
+    space.sleep_time_threshold = 0.5
+    space.add(pymunk.Segment(space.static_body, (-8 * rows, 0), (8 * rows, 0), 1))
+    for row in range(rows):
+        for k in range(rows - row):
+            body = pymunk.Body(1, 10)
+            body.position = 15 * (k - (rows - row - 1) / 2), 8 + 14 * row
+            space.add(body, pymunk.Poly.create_box(body, (14, 14)))
+    for body in space.bodies:
+        body.sleep()
     return space
 
 
@@ -181,19 +202,38 @@ def page_of(what: Any, **options: Any) -> Iterator[Page]:
 
 
 def browser() -> None:
-    """Pictures a second in Chromium, contacts shown, and the rate of the physics."""
-    pyramid = [Slider("rows", 2, 25, 25, rebuilds=True)]
-    for name, what, count, options in (
+    """Pictures a second in Chromium, the rate of the physics, and the time that a step takes."""
+    slider = [Slider("rows", 2, 25, 25, rebuilds=True)]
+    scenes: list[tuple[str, Any, int, dict[str, Any]]] = [
         ("223 benches", "dragon", FRAMES, {}),
-        ("325 boxes", _boxes, FRAMES // 3, {"controls": pyramid, "step": 1 / 120}),
-        ("3,000 circles", circles, FRAMES // 3, {"units": "px"}),
-    ):
+        ("325 boxes", _boxes, FRAMES // 3, {"controls": slider, "step": 1 / 120}),
+        ("3,000 circles that move", partial(circles, 3000), FRAMES // 10, {}),
+        ("10,000 circles that move", partial(circles, 10_000), FRAMES // 10, {}),
+        ("3,003 boxes that sleep", partial(pyramid, 77), FRAMES // 10, {}),
+        ("10,011 boxes that sleep", partial(pyramid, 141), FRAMES // 10, {}),
+    ]
+    for name, what, count, options in scenes:
         with page_of(what, **options) as page:
-            wait_until(page, f"live.drawn > {FRAMES // 5}")
+            wait_until(page, f"live.drawn > {FRAMES // 60}")
+            before = consumed()
             drawn, begin = page.evaluate("live.drawn"), time.perf_counter()
-            wait_until(page, f"live.drawn > {drawn + count}")
-            pictures = (page.evaluate("live.drawn") - drawn) / (time.perf_counter() - begin)
-            print(f"{name}: {pictures:.1f}, {page.inner_text('#achieved')}", flush=True)
+            wait_until(page, f"live.drawn > {drawn + count}", 600.0)
+            made = page.evaluate("live.drawn") - drawn
+            pictures = made / (time.perf_counter() - begin)
+            print(f"{name}: {pictures:.1f}, {page.inner_text('#achieved')}", end=", ")
+            print(f"{1e3 * page.evaluate('live.frame.step_time'):.1f} ms a step", end=", ")
+            after = consumed()
+            used = [1e3 * (after[k] - before[k]) / made for k in (0, 1)]
+            print(f"{used[0]:.1f} and {used[1]:.1f} ms of processor time in process", end=" ")
+            print(f"and page, {after[2] / 1e6:.0f} MB of the page", flush=True)
+
+
+def consumed() -> tuple[float, float, float]:
+    """Processor time of this process and of its page, s, and memory of the page, bytes."""
+    me = psutil.Process()
+    pages = [each for each in me.children(recursive=True) if "--type=renderer" in each.cmdline()]
+    times = [sum(each.cpu_times()[:2]) for each in pages]
+    return sum(me.cpu_times()[:2]), sum(times), max(each.memory_full_info().uss for each in pages)
 
 
 def delay() -> None:
@@ -212,6 +252,42 @@ def delay() -> None:
             wait_until(page, RESTS)
             page.wait_for_timeout(300)
         print(spread(page.evaluate("delays"), 0))
+
+
+# Lessons that are recorded and opened.
+COURSE = list(LESSONS.values())[: sized(15, 1)]
+# Seconds from the click that opens a stage to its picture, and from the first touch of its last
+# slider to the next picture.
+TOUCHED = """async (name) => {
+  const next = () => new Promise((done) => requestAnimationFrame(() => setTimeout(done)));
+  const seconds = async (act) => {
+    const begin = performance.now();
+    act();
+    await next();
+    return (performance.now() - begin) / 1000;
+  };
+  const lesson = document.getElementById(name);
+  const opened = await seconds(() => lesson.querySelector(".open-unguessed").click());
+  const slider = [...lesson.querySelectorAll(".slider input")].at(-1);
+  const touched = await seconds(() => {
+    if (slider) slider.value = (Number(slider.min) + Number(slider.max)) / 2;
+    slider?.dispatchEvent(new Event("input"));
+  });
+  return [opened, touched];
+}"""
+
+
+def lessons() -> None:
+    """Words before each stage, and seconds until it has a picture and answers a touch."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "lessons.html"
+        write_lessons(COURSE, file)
+        with chromium() as started, opened(started, file.as_uri()) as found:
+            for lesson in COURSE:
+                words = re.findall(r"[^\s-]\S*", f"{lesson.texts['Question']} {lesson.guess()}")
+                picture, touch = found.page.evaluate(TOUCHED, lesson.name)
+                print(f"{lesson.name}: {len(words)} words, picture {picture:.2f} s", end="")
+                print(f", touch {touch:.2f} s")
 
 
 # Steps and frames in Pyodide.
@@ -318,6 +394,7 @@ BENCHMARKS = {
     "start": start,
     "browser": browser,
     "delay": delay,
+    "lessons": lessons,
     "soak": soak,
     "pyodide": pyodide,
     "page": page,

@@ -54,6 +54,15 @@ interface PulledRun {
   text: string;
 }
 
+/** What the lesson on the engine has written; lists by rule and iterations are by the step. */
+interface EngineRuns {
+  substeps: number[];
+  passes: number[];
+  errors: Record<string, number[]>;
+  moved: Record<string, Point[][][]>;
+  exact: Point[][];
+}
+
 interface SliderOptions {
   min: number;
   max: number;
@@ -69,7 +78,6 @@ interface SliderOptions {
 /** What a lesson says of a scene that Pymunk plays. */
 interface PlayedOptions {
   scene: string;
-  plays?: boolean;
   changed?: (event: LiveEvent | null) => void;
 }
 
@@ -136,3 +144,12 @@ interface Wall {
   light: number[] | undefined;
   at: (along: number, away?: number) => Point;
 }
+
+/** How far the course of a lesson came: its state, and the numbers of the choices. */
+interface Course {
+  state: string;
+  chosen: number[];
+}
+
+/** Moments of a scene, with the corners of each body. */
+type Film = Point[][][];

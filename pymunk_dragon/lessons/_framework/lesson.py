@@ -55,7 +55,7 @@ class Lesson:
         The file.
     texts : mapping of str to str
         The Markdown of each section in English: "Title", "Question", and those below headings, as
-        "Guess".
+        "Answer".
     cells : tuple of str
         The code of each cell.
     options : mapping of str to Any
@@ -141,11 +141,9 @@ class Lesson:
         return [block for block in blocks(answer) if block.items]
 
     def guess(self, language: str = "en") -> str:
-        """The section "Guess", the questions and their choices, without what comes of them."""
-        parts = [self.sections(language).get("Guess", "")]
-        for question in self.guesses(language):
-            parts.append("\n- ".join([question.text, *question.choices]))
-        return "\n\n".join(parts)
+        """The questions and their choices, without what comes of them."""
+        asked = self.guesses(language)
+        return "\n\n".join("\n- ".join([each.text, *each.choices]) for each in asked)
 
 
 def blocks(markdown: str) -> list[Block]:

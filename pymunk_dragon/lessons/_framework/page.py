@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from io import BytesIO
+from os import cpu_count
 from pathlib import Path
 from typing import Any
 
@@ -35,6 +37,9 @@ MEDIA_TYPES = {
 _STAGE_FRAMES = 66
 # m: step of positions there.
 _STAGE_STEP = 1e-3
+# s: what the picture of a scene in the list shows, and from one moment to the next.
+_FILM_LENGTH = 3.0
+_FILM_STEP = 0.1
 # A page that stands alone.
 _ALONE: Mapping[str, str] = {}
 # Styles of the page.
@@ -112,9 +117,10 @@ def run_page(
     for name in ("pygments", "nbformat", "latex2mathml", "jinja2"):
         library(name)
     recordings = []
-    for done, lesson in enumerate(lessons, start=1):
-        recordings.append(record(lesson))
-        progress(done, len(lessons))
+    with ThreadPoolExecutor(cpu_count()) as pool:
+        for done, recording in enumerate(pool.map(record, lessons), start=1):
+            recordings.append(recording)
+            progress(done, len(lessons))
     return make_page(recordings, language, site=site, pages=pages)
 
 
@@ -173,8 +179,12 @@ def _values(recording: Recording) -> dict[str, Any]:
     return {
         "file": lesson,
         "data": recording.data or packed_runs(recording.runs),
+        "film": filmed(**lesson.scene()) if lesson.builds_scene else [],
         "printed": recording.printed.rstrip(),
-        "picture": _picture(recording),
+        "pictures": {
+            "en": _picture(recording.picture, recording.ending),
+            "zh": _picture(recording.chinese or recording.picture, recording.ending),
+        },
         "code": _highlighted("\n\n".join(lesson.cells)),
         "program": _address(lesson.source.encode(), PROGRAM),
         "notebooks": notebooks,
@@ -202,10 +212,35 @@ def packed_runs(runs: Sequence[Run]) -> list[dict[str, Any]]:
     return found
 
 
-def _picture(recording: Recording) -> dict[str, Any]:
+def filmed(build: Any, step: float, **scene: Any) -> list[list[Any]]:
+    """Corners of the bodies of a scene at moments of its first seconds, to centimetres."""
+    space = build()
+    act = scene.get("on_step", lambda space, time: None)
+    film = []
+    for number in range(round(_FILM_LENGTH / step)):
+        space.step(step)
+        act(space, number * step)
+        if number % (round(_FILM_STEP / step) or 1):
+            continue
+        moment = []
+        for body in space.bodies:
+            points = [
+                body.local_to_world(point) for shape in body.shapes for point in corners(shape)
+            ]
+            moment.append(np.round(points, 2).tolist())
+        film.append(moment)
+    return film
+
+
+def corners(shape: Any) -> list[Any]:
+    """Corners of a shape; none of one without."""
+    return shape.get_vertices() if hasattr(shape, "get_vertices") else []
+
+
+def _picture(content: bytes, ending: str) -> dict[str, Any]:
     """Address and size of a picture, so that the page does not move when it is unfolded."""
-    with library("PIL.Image").open(BytesIO(recording.picture)) as opened:
-        return {"address": _address(recording.picture, recording.ending), "size": opened.size}
+    with library("PIL.Image").open(BytesIO(content)) as opened:
+        return {"address": _address(content, ending), "size": opened.size}
 
 
 def _spiral() -> str:

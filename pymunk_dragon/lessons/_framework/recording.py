@@ -27,6 +27,7 @@ class Recording:
     """A lesson that was run, its output, and its picture with the ending, ".png" or ".gif".
 
     `runs` are those that it has saved, and `data` is what it has written as JSON, by its name.
+    `chinese` is the picture with Chinese labels, if there is one.
     """
 
     lesson: Lesson
@@ -35,12 +36,14 @@ class Recording:
     ending: str
     runs: tuple[Run, ...] = ()
     data: Any = None
+    chinese: bytes = b""
 
 
 def run(lesson: Lesson, folder: Path) -> Iterator[str]:
     """Lines that the program of a lesson prints; it writes its picture in `folder`."""
     # Not by its folder on the path: a module of Python could have the name of a lesson.
-    command = [sys.executable, "-P", "-u", str(lesson.path)]
+    runner = "pymunk_dragon.lessons._framework.program"
+    command = [sys.executable, "-P", "-u", "-m", runner, str(lesson.path)]
     environment = os.environ | {"MPLBACKEND": "agg", "PYTHONIOENCODING": "utf-8"}
     with subprocess.Popen(
         command,
@@ -100,7 +103,9 @@ def record(lesson: Lesson) -> Recording:
         runs = tuple(map(Run.load, folder.glob("*.npz")))
         written = folder / f"{lesson.name}.json"
         data = json.loads(written.read_bytes()) if written.exists() else None
-        return Recording(lesson, printed, file.read_bytes(), file.suffix, runs, data)
+        translated = folder / f"{lesson.name}.zh.png"
+        chinese = translated.read_bytes() if translated.exists() else b""
+        return Recording(lesson, printed, file.read_bytes(), file.suffix, runs, data, chinese)
 
 
 def make_folder(path: str | Path) -> Path:

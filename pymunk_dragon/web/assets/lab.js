@@ -1,22 +1,32 @@
 // The frame of a stage: a canvas with panes, things to drag, sliders, and one readout. `stages` has
 // a function for each lesson, which is called with a `Lab` when the experiment is opened. It sets
 // `lab.label`, what the canvas shows, and `lab.readout()`, what it says; `lab.update()` runs before
-// each picture. A text is a pair, in English and in Chinese.
+// each picture. A text is a pair, in English and in Chinese. Sliders and what `lab.keep` registers
+// are in the address, and the button "Reset" opens the stage anew.
 
 /** @type {Record<string, (lab: Lab) => void>} */
 const stages = {};
 
+const SMALLER = 1.7; // times a picture in the list is smaller
 const LONGEST_FRAME = 0.1; // s: what one picture adds at most where a slider plays
 /** @type {Record<string, Point>} */
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowDown: [0, -1], ArrowUp: [0, 1] };
 
-/** @type {(div: HTMLElement) => void} */
+/** @type {(div: HTMLElement) => Lab} */
 function openStage(div) {
   /** @type {Lab} */
   const lab = new Lab(div);
   stages[div.dataset.stage ?? ""](lab);
   document.addEventListener("languagechange", () => lab.requestDraw());
   lab.watch();
+  return lab;
+}
+
+// Open a stage in its first state.
+/** @type {(div: HTMLElement) => void} */
+function resetStage(div) {
+  rememberAddress(`#${div.dataset.stage}`);
+  openStage(div).reset.focus();
 }
 
 class Lab extends Surface {
@@ -24,12 +34,15 @@ class Lab extends Surface {
   constructor(div) {
     super(created("canvas", { role: "img" }));
     this.scene = created("div", { className: "scene" }, this.canvas);
+    this.colourKey = created("ul", { className: "legend" });
     this.output = created("output", { className: "readout" });
-    this.actions = created("div", { className: "actions" });
+    this.reset = created("button", { type: "button" });
+    this.reset.addEventListener("click", () => resetStage(div));
+    this.actions = created("div", { className: "actions" }, this.reset);
     this.controls = created("div", { className: "controls" }, this.actions);
     // A recorded picture is seen until there is something else to see.
     this.still = div.querySelector("figure");
-    div.replaceChildren(this.scene, this.output, this.controls);
+    div.replaceChildren(this.scene, this.colourKey, this.output, this.controls);
     if (this.still) this.scene.append(this.still);
     this.readColours(); // It has a font only now that it is on the page.
     /** @type {Row[]} */
@@ -37,21 +50,49 @@ class Lab extends Surface {
     /** @type {StagePane[]} */
     this.panes = [];
     /** @type { { button: HTMLElement, label: () => Words }[]} */
-    this.buttons = [];
+    this.buttons = [{ button: this.reset, label: () => ["Reset", "重置"] }];
+    /** @type { { item: HTMLElement, words: Words }[]} */
+    this.keys = [];
+    this.kept = new Kept(this, div.dataset.stage);
     /** @type { { knob: HTMLElement, label: Words, pane: StagePane, at: () => Numbers }[]} */
     this.knobs = [];
     this.painted = 0; // ms: time of the last picture
+    this.isSmall = false; // whether it is a picture in the list, without controls
+    /** @type {Film | null} */
+    this.film = null; // what an engine would play there
     /** @type {Words} */
     this.label = ["", ""];
     /** @type {() => Words} */
     this.readout = () => ["", ""];
     /** @type {(() => void) | undefined} */
     this.update = undefined;
+    /** @type {((share: number) => void) | undefined} */
+    this.filmed = undefined;
   }
 
   /** @type {(words: Words) => string} */
   say([english, chinese]) {
     return document.documentElement.lang === "zh" ? chinese : english;
+  }
+
+  // What the colours of the picture mean: names of colours with their meaning.
+  /** @type {(entries: [string, Words][]) => void} */
+  legend(entries) {
+    for (const [colour, words] of entries) {
+      const swatch = created("i");
+      const own = colour === "text" ? "ink" : colour;
+      swatch.style.background = `var(--canvas-${colour}, var(--${own}))`;
+      const item = created("span");
+      this.keys.push({ item, words });
+      this.colourKey.append(created("li", {}, swatch, item));
+    }
+  }
+
+  // A thing to drag, or another part of the state, which stays in the address: `get` has a number,
+  // a list of numbers or a list of such lists, and `set` takes it back.
+  /** @type {(name: string, get: () => any, set: (value: any) => void) => void} */
+  keep(name, get, set) {
+    this.kept.add(name, get, set);
   }
 
   // A mixture of two colours, with a share of the second from 0 to 1.
@@ -89,6 +130,14 @@ class Lab extends Surface {
     }
     this.rows.push(row);
     this.controls.append(div);
+    this.keep(
+      label[0],
+      () => Number(input.value),
+      (given) => {
+        input.value = given;
+        input.dispatchEvent(new Event("input"));
+      },
+    );
     return {
       get value() {
         return Number(input.value);
@@ -115,7 +164,7 @@ class Lab extends Surface {
       this.requestDraw();
     });
     this.buttons.push({ button, label });
-    this.actions.append(button);
+    this.reset.before(button);
   }
 
   // A part of the canvas below those before, with a share of its height; `draw` takes the pane.
@@ -184,18 +233,47 @@ class Lab extends Surface {
 
   /** @type {(now: number) => void} */
   tick(now) {
+    if (!this.canvas.isConnected) return; // Another one has taken its place.
     this.play(Math.min((now - this.painted) / 1000, LONGEST_FRAME));
     this.painted = now;
     this.resize();
     this.clear();
     this.update?.();
+    this.kept.begin();
     let top = 0;
-    for (const pane of this.panes) {
-      const height = pane.share * this.height;
+    // A picture in the list has the first part only, without charts.
+    for (const pane of this.isSmall ? this.panes.slice(0, 1) : this.panes) {
+      const height = (this.isSmall ? 1 : pane.share) * this.height;
       pane.paint(top, this.width, height);
       top += height;
     }
     this.write(this.width);
+    this.kept.remember();
+  }
+
+  // The same picture in a smaller canvas.
+  resize() {
+    super.resize();
+    if (!this.isSmall) return;
+    this.width *= SMALLER;
+    this.height *= SMALLER;
+    this.context.scale(1 / SMALLER, 1 / SMALLER);
+  }
+
+  // Move the slider that plays, or the first one, or what the engine has played: a share of the way
+  // from where it begins to the farther end.
+  /** @type {(share: number) => void} */
+  sweep(share) {
+    const row = this.rows.find(({ play }) => play) ?? this.rows[0];
+    if (row && !this.film) {
+      const { input } = row;
+      const [least, most] = [Number(input.min), Number(input.max)];
+      const from = Number(input.defaultValue);
+      const to = most - from > from - least ? most : least;
+      input.value = String(from + share * (to - from));
+    }
+    this.filmed?.(share);
+    this.requestDraw();
   }
 
   // Move the sliders that play.
@@ -220,6 +298,7 @@ class Lab extends Surface {
       write(button, "textContent", plays ? "❚❚" : "▶");
       write(button, "ariaLabel", this.say(plays ? ["Pause", "暂停"] : ["Play", "播放"]));
     }
+    for (const { item, words } of this.keys) write(item, "textContent", this.say(words));
     for (const { button, label } of this.buttons) write(button, "textContent", this.say(label()));
     for (const { knob, label, pane, at } of this.knobs) {
       const [x, y] = at();

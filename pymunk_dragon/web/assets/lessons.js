@@ -37,6 +37,41 @@ speak(
     .find((each) => languages.includes(each)) ?? root.lang,
 );
 
+// What was guessed, and how far each course came, by the names of lessons: it outlasts a reload,
+// but not in a private frame, which has no storage.
+const MEMORY = "pymunk-dragon lessons";
+
+/** @type {() => Record<string, Course>} */
+function readMemory() {
+  try {
+    return JSON.parse(sessionStorage.getItem(MEMORY) ?? "{}");
+  } catch {
+    return {};
+  }
+}
+
+/** @type {(name: string, course: Course) => void} */
+function memorize(name, course) {
+  try {
+    sessionStorage.setItem(MEMORY, JSON.stringify({ ...readMemory(), [name]: course }));
+  } catch {
+    // The course is lost with the page.
+  }
+}
+
+const memory = readMemory();
+
+// Once an element comes into sight.
+/** @type {(element: Element, action: () => void) => void} */
+function whenSeen(element, action) {
+  const observer = new IntersectionObserver((entries) => {
+    if (!entries.some(({ isIntersecting }) => isIntersecting)) return;
+    observer.disconnect();
+    action();
+  });
+  observer.observe(element);
+}
+
 // The course of a lesson: guess, experiment, answer.
 for (const lesson of /** @type {NodeListOf<HTMLElement>} */ (
   document.querySelectorAll(".lesson")
@@ -50,17 +85,29 @@ for (const lesson of /** @type {NodeListOf<HTMLElement>} */ (
   const stage = partOf(lesson, ".stage");
   const answer = partOf(lesson, ".answer");
 
+  const remember = () =>
+    memorize(lesson.id, {
+      state: lesson.dataset.state ?? "",
+      chosen: choices.flatMap(({ checked }, k) => (checked ? k : [])),
+    });
+
   /** @type {(state: string) => void} */
   const enter = (state) => {
     lesson.dataset.state = state;
     for (const fieldset of fieldsets) fieldset.disabled = state !== "guess";
+    remember();
+  };
+
+  const fill = () => {
+    // Where no engine plays, the recorded run stays.
+    const plays = !stage.dataset.scene || HAS_ENGINE;
+    if (plays && !stage.querySelector("canvas")) openStage(stage);
   };
 
   const open = () => {
     enter("open");
-    // Where no engine plays, the recorded run stays.
-    const plays = !stage.dataset.scene || HAS_ENGINE;
-    if (plays && !stage.querySelector("canvas")) openStage(stage);
+    fill();
+    partOf(lesson, ".pinned").scrollIntoView();
     const first = stage.querySelector("input, button, [tabindex]") ?? partOf(lesson, ".show");
     first.focus({ preventScroll: true });
   };
@@ -69,17 +116,8 @@ for (const lesson of /** @type {NodeListOf<HTMLElement>} */ (
     if (choices.every((choice) => choice.reportValidity())) open();
   };
 
-  // Also the button that takes the place of a live scene.
-  partOf(lesson, ".experiment").addEventListener("click", (/** @type {any} */ { target }) => {
-    if (target.closest(".open")) openGuessed();
-    if (target.closest(".open-unguessed")) open();
-  });
-  guesses.addEventListener("keydown", (/** @type {KeyboardEvent} */ { key }) => {
-    if (key === "Enter") openGuessed();
-  });
-
   // Guess and result side by side, and what comes of each choice.
-  partOf(lesson, ".show").addEventListener("click", () => {
+  const show = () => {
     for (const [i, result] of [...lesson.querySelectorAll(".result")].entries()) {
       const chosen = partOf(fieldsets[i], "input:checked");
       const words = chosen?.parentElement.querySelectorAll("span[lang]") ?? [];
@@ -91,17 +129,115 @@ for (const lesson of /** @type {NodeListOf<HTMLElement>} */ (
       }
     }
     enter("answered");
+  };
+
+  // Also the button that takes the place of a live scene.
+  partOf(lesson, ".experiment").addEventListener("click", (/** @type {any} */ { target }) => {
+    if (target.closest(".open")) openGuessed();
+    if (target.closest(".open-unguessed")) open();
+  });
+  guesses.addEventListener("keydown", (/** @type {KeyboardEvent} */ { key }) => {
+    if (key === "Enter") openGuessed();
+  });
+  guesses.addEventListener("change", remember);
+
+  partOf(lesson, ".show").addEventListener("click", () => {
+    show();
     answer.focus();
   });
 
   partOf(lesson, ".again").addEventListener("click", () => {
     for (const choice of choices) choice.checked = false;
     // The experiment begins anew.
-    if (stage.dataset.scene) playedNow?.begin();
-    else stage.replaceChildren();
+    if (stage.querySelector("canvas")) resetStage(stage);
     enter("guess");
     choices[0]?.focus();
   });
+
+  // What the page showed before it was loaded again, or what its address has of the stage.
+  const { state = "guess", chosen = [] } = memory[lesson.id] ?? {};
+  for (const [k, choice] of choices.entries()) choice.checked = chosen.includes(k);
+  if (state === "answered") show();
+  if (state === "open") enter("open");
+  const addressed = () => {
+    const [name, ...kept] = location.hash.slice(1).split("&");
+    if (name !== lesson.id || !kept.length) return;
+    if (lesson.dataset.state === "guess") enter("open");
+    fill();
+    partOf(lesson, ".pinned").scrollIntoView();
+  };
+  if (lesson.dataset.state !== "guess") whenSeen(stage, fill);
+  addEventListener("hashchange", addressed);
+  addressed();
+}
+
+// ---- the list: a small picture of each stage, which moves while it is pointed at or has the focus
+
+const SWEEP = 6000; // ms from one end of what moves to the other
+const STILL = 0.6; // share of that which stands still
+
+/** @type {(card: HTMLAnchorElement) => void} */
+function depict(card) {
+  const name = card.hash.slice(1);
+  const film = document.getElementById(`${name}-film`);
+  const lab = new Lab(created("div"));
+  lab.film = film && JSON.parse(film.textContent);
+  lab.isSmall = true;
+  stages[name](lab);
+  lab.canvas.role = "presentation";
+  partOf(card, ".picture").append(lab.canvas);
+  lab.readColours();
+  lab.watch();
+  document.addEventListener("languagechange", () => lab.requestDraw());
+
+  let begin = 0; // ms: 0 while it stands still
+  /** @type {(now: number) => void} */
+  const sweep = (now) => {
+    const share = begin ? ((now - begin) / SWEEP + STILL) % 2 : STILL;
+    lab.sweep(Math.min(share, 2 - share));
+    if (begin) requestAnimationFrame(sweep);
+  };
+  const move = () => {
+    if (begin || matchMedia("(prefers-reduced-motion: reduce)").matches) return;
+    begin = performance.now();
+    requestAnimationFrame(sweep);
+  };
+  const rest = () => {
+    begin = 0;
+  };
+  for (const kind of ["pointerenter", "focus"]) card.addEventListener(kind, move);
+  for (const kind of ["pointerleave", "pointercancel", "blur"]) card.addEventListener(kind, rest);
+  lab.requestDraw();
+  requestAnimationFrame(sweep);
+}
+
+for (const card of document.querySelectorAll(".card")) {
+  const stage = partOf(document, `${card.getAttribute("href")} .stage`);
+  const drawn = !stage.dataset.scene || document.getElementById(`${stage.dataset.stage}-film`);
+  if (drawn) whenSeen(card, () => depict(/** @type {HTMLAnchorElement} */ (card)));
+}
+
+// ---- films that repeat can be paused: then a still picture takes their place
+
+for (const film of /** @type {NodeListOf<HTMLImageElement>} */ (
+  document.querySelectorAll("img[src^='data:image/gif']")
+)) {
+  const still = created("canvas", { role: "img", ariaLabel: film.alt, width: film.width });
+  still.height = film.height;
+  const button = partOf(film.parentElement ?? root, ".pause");
+  /** @type {(paused: boolean) => void} */
+  const pause = (paused) => {
+    if (paused) still.getContext("2d")?.drawImage(film, 0, 0, still.width, still.height);
+    (paused ? film : still).replaceWith(paused ? still : film);
+    button.setAttribute("aria-pressed", String(paused));
+  };
+  button.addEventListener("click", () => pause(film.isConnected));
+  if (matchMedia("(prefers-reduced-motion: reduce)").matches) {
+    film.decode().then(
+      () => pause(true),
+      () => {},
+    );
+  }
 }
 
 // In a frame, a link to a part of this page could load the page around it:

@@ -19,23 +19,36 @@ const engineFrames = new Frames();
 /** @type {Played | null} */
 let playedNow = null; // the stage that the connection serves
 
-// The scene begins at rest, unless it `plays` at once. `changed` is called with each event, and
+// The scene waits until it is played. `changed` is called with each event, and
 // with null where the scene begins anew.
 class Played {
   /** @param {Lab} lab @param {PlayedOptions} options */
-  constructor(lab, { scene, plays = false, changed = () => {} }) {
+  constructor(lab, { scene, changed = () => {} }) {
     this.lab = lab;
     this.name = scene;
-    this.plays = plays;
     this.changed = changed;
     /** @type {LiveFrame | null} */
     this.frame = null;
     this.generation = 0;
     this.running = false;
     this.holds = false; // whether the hand holds a body
+    /** @type {(() => void)[]} */
+    this.moved = []; // what sends the sliders that have moved
     /** @type {Words | null} */
     this.note = null; // why nothing moves
-    this.enter();
+    if (lab.isSmall) lab.filmed = (share) => this.showFilm(share);
+    else this.enter();
+  }
+
+  // In the list: a picture of what was recorded.
+  /** @type {(share: number) => void} */
+  showFilm(share) {
+    const film = this.lab.film ?? [];
+    const bodies = film[Math.round(share * (film.length - 1))] ?? [];
+    const calls = bodies.map((points) => ({ kind: "polygon", points }));
+    /** @type {any} */
+    const frame = { calls, step: 0, time: 0 };
+    this.frame = frame;
   }
 
   // Whether the connection serves this stage.
@@ -80,10 +93,13 @@ class Played {
     else this.enter();
   }
 
-  // Begin the scene anew; it waits if it does not play at once.
+  // Begin the scene anew; it waits.
   begin() {
     this.send({ do: "scene", name: this.name });
-    if (!this.plays) this.send({ do: "pause" });
+    this.send({ do: "pause" });
+    // Without the steps before the pause.
+    this.send({ do: "reset" });
+    for (const send of this.moved) send();
   }
 
   // ---- what comes from the engine
@@ -146,10 +162,10 @@ class Played {
   // A slider of the scene.
   /** @type {(name: string, label: Words, options: SliderOptions) => Slid} */
   slider(name, label, options) {
-    const slid = this.lab.slider(label, {
-      ...options,
-      moved: (value) => this.send({ do: "set", name, value }),
-    });
+    /** @type {(value: number) => void} */
+    const moved = (value) => this.send({ do: "set", name, value });
+    const slid = this.lab.slider(label, { ...options, moved });
+    this.moved.push(() => slid.value !== options.value && moved(slid.value));
     return slid;
   }
 
