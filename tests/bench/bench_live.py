@@ -17,9 +17,10 @@ import tempfile
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, redirect_stderr
 from functools import partial
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from io import StringIO
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -180,12 +181,22 @@ def pyramid(rows: int) -> pymunk.Space:
 
 
 @contextmanager
+def address_of(what: Any, **options: Any) -> Iterator[str]:
+    """The address of the page of a session in this process."""
+    # The address that is printed for a user is not a figure.
+    with redirect_stderr(StringIO()):
+        session = live(what, browser=False, **options)
+    with session:
+        yield session.address
+
+
+@contextmanager
 def page_of(what: Any, **options: Any) -> Iterator[Page]:
     """A session's page in Chromium."""
     with (
-        live(what, browser=False, **options) as session,
+        address_of(what, **options) as address,
         chromium() as started,
-        opened(started, session.address) as found,
+        opened(started, address) as found,
     ):
         yield found.page
 
@@ -312,13 +323,6 @@ class Files(SimpleHTTPRequestHandler):
 
 
 @contextmanager
-def over_a_socket() -> Iterator[str]:
-    """The address of the page of a session in this process."""
-    with live("dragon", browser=False) as session:
-        yield session.address
-
-
-@contextmanager
 def published() -> Iterator[str]:
     """The address of a published page, whose engine is in the browser."""
     with tempfile.TemporaryDirectory() as name:
@@ -381,8 +385,8 @@ def page() -> None:
     """Files, processor time and memory at the first frame, a change of scene, memory after ten."""
     if reason := in_node.missing() if CHROMIUM else "no Chromium":
         raise in_node.CannotRunError(reason)
-    for name, place in {"over a socket": over_a_socket, "published": published}.items():
-        with place() as address:
+    for name, place in {"over a socket": address_of("dragon"), "published": published()}.items():
+        with place as address:
             figures_of_page(name, address)
 
 
