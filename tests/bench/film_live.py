@@ -34,7 +34,7 @@ PLACE = """([bench, out]) => {
 
 
 def act(page: Page, moves: list[Any]) -> None:
-    """Pull a bench, release it, quicken the head; note time, place and button of each move."""
+    """Let the dancers go, and pull a bench away; note time, place and button of each move."""
 
     def glide(to: list[float], seconds: float, down: bool = False) -> None:
         begin = time.time()
@@ -47,19 +47,19 @@ def act(page: Page, moves: list[Any]) -> None:
             moves.append((time.time(), place, down))
             page.wait_for_timeout(15)
 
+    box: Any = page.locator("#release").bounding_box()
+    x, y, width, height = box.values()
+    glide([x + width / 2, y + height / 2], 1.0)
+    page.mouse.down()
+    glide([*moves[-1][1]], 0.2, down=True)
+    page.mouse.up()
     for seconds in (0.9, 0.1):  # The bench moves on meanwhile.
         glide(page.evaluate(PLACE, [BENCH, 0]), seconds)
     page.mouse.down()
     glide(page.evaluate(PLACE, [BENCH, PULL]), 1.4, down=True)
-    glide([*moves[-1][1]], 0.8, down=True)
+    glide(page.evaluate(PLACE, [BENCH, -PULL]), 2.0, down=True)
     page.mouse.up()
-    box: Any = page.locator("#parameter-speed").bounding_box()
-    x, y, width, height = box.values()
-    glide([x + width / 2, y + height / 2], 1.4)
-    page.mouse.down()
-    glide([x + 0.95 * width, y + height / 2], 0.9, down=True)
-    page.mouse.up()
-    glide([x + 0.8 * width, y + 80], 2.0)
+    glide([*moves[-1][1] + 80], 2.0)
 
 
 def main() -> None:
