@@ -330,7 +330,7 @@ def test_course_language_and_links_work_in_a_frame_that_allows_scripts_only(brow
             )
             lesson.locator("input").first.check()
             lesson.locator(opens).click()
-            assert lesson.locator(".stage :is(canvas, img)").is_visible()
+            assert lesson.locator(".stage :is(canvas, img):visible").count() == 1
             lesson.locator(".show").click()
             assert lesson.locator(".answer").is_visible()
             lesson.locator(".code summary").click()
@@ -348,7 +348,7 @@ def test_course_language_and_links_work_in_a_frame_that_allows_scripts_only(brow
 def test_lesson_of_the_engine_shows_its_recorded_run_and_how_to_play_it_live(seen):
     lesson = seen.page.locator("#tension")
     lesson.locator(".cover .open-unguessed").click()
-    assert lesson.locator(".stage[data-scene] img").is_visible()
+    assert lesson.locator(".stage[data-scene] img:visible").count() == 1
     assert "pymunk-dragon demo --live" in lesson.locator(".stage").inner_text()
 
 
