@@ -88,8 +88,9 @@ for step in [0.1, 0.05, 0.025]:
 # The stone: after $n$ steps of $h$ it has fallen $g h^2 n (n - 1) / 2$, with $g = 9.81$ m/s² and
 # $n h = 1$ s. By how much is that less than $g / 2$ in steps of 0.1 s? The program has 0.4905 m.
 # ## Try
-# Each setting that you try leaves a point. Halve the steps with Pymunk's step, then with the force
-# in the middle: how steep are the two lines? Which of them do more iterations bring down?
+# Each setting that is played to the end leaves a point. Halve the steps with Pymunk's step, then
+# with the force in the middle: how steep are the two lines? Which of them do more iterations bring
+# down?
 # ## Change
 # Let the exact motion and the runs end at `until=2`: are the ratios the same?
 # ## Teacher

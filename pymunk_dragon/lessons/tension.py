@@ -126,7 +126,7 @@ plt.savefig("tension.png", bbox_inches="tight")
 # in a second.)
 # ## Try
 # Read the force in the first joint in all three cases: on the ground, with 12 dancers, and on ice,
-# where all of the speed is kept. Pull at a bench. Which joint would you cut to relieve most of the
+# where all of the speed is kept. Pull at the tail. Which joint would you cut to relieve most of the
 # others?
 # ## Change
 # Set `STEP` to 0.04 and to 0.001: how does the engine's drag come near to the continuous one? Then

@@ -2,11 +2,11 @@
 stages.velocity = (lab) => {
   const time = lab.slider(["time", "时间"], {
     min: 0,
-    max: 300,
+    max: 412,
     step: 1,
     value: 0,
     unit: "s",
-    play: () => 20,
+    play: () => 25,
   });
   const units = ["s", "ms", "µs", "ns", "ps"];
   /** @type {(exponent: number) => string} */
@@ -22,6 +22,8 @@ stages.velocity = (lab) => {
     show,
     play: () => 1,
   });
+  const asked = 300; // s: the time in the question
+  let before = 0;
   const march = new March();
   const { spiral, dragon } = march;
   const points = curvePoints(spiral, march.begin - 370, 0);
@@ -43,6 +45,10 @@ stages.velocity = (lab) => {
     ["contact", ["as slow as the tail", "与龙尾一样慢"]],
   ]);
   lab.update = () => {
+    // The time that plays stops after five minutes.
+    const stops = time.value >= asked && before < asked && time.value - before < 30;
+    if (stops) time.value = asked;
+    before = time.value;
     const length = 10 ** step.value;
     const later = march.chain(time.value + length);
     chain = march.chain(time.value);
