@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import re
+from itertools import product
 
 import pytest
 from browser import framed, needs_browser, opened, wait_until
@@ -438,6 +439,14 @@ def test_experiments_with_pymunk_are_live_on_a_live_server(browser):
         # A button of the other stage begins anew there.
         seen.page.click("#callbacks .actions button >> nth=0")
         wait_until(seen.page, "playedNow.name === 'callbacks' && !playedNow.note")
+        # All of a stage is in the window here too.
+        for (width, height), name in product(WINDOWS, ("callbacks", "tension")):
+            seen.page.set_viewport_size({"width": width, "height": height})
+            stage = seen.page.locator(f"#{name} .pinned")
+            stage.evaluate("(pinned) => pinned.scrollIntoView()")
+            settle(seen.page)
+            assert min(stage.locator(".stage").evaluate(SIDES)) >= 0, (name, width)
+
         # The live page by itself has a link to the lesson.
         seen.page.goto(running.address.replace("/?", "/live?"))
         seen.page.click("#lesson")
