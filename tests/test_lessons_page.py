@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import re
 
-import numpy as np
 import pytest
 from browser import framed, needs_browser, opened, wait_until
 from lesson_runs import played
@@ -173,18 +172,15 @@ def test_course_with_the_keyboard_guess_experiment_answer_and_again(seen):
 # that then tell the outcome of the guess. Where an engine plays, see the test on a live server.
 OUTCOMES = {
     "spiral": (["play"], r"a round in 1[0-7]\.\d s"),
-    "chain": (
-        [{"angle": angle} for angle in np.linspace(0.5, 6.9, 60).tolist()],
-        "on the circle: 22",
-    ),
+    "chain": (["play"], "on the circle: 22"),
     "velocity": (["play"], r" 3\.5\d\d mm/s slower"),
     "sat": ([{"walls": 4}], "of 4, up to"),
-    "grid": ([{"size_of_a_cell": 0.55}], "546 of 24531 pairs"),
+    "grid": (["play"], "546 of 24531 pairs"),
     "near-miss": (["play"], "overlaps bench 8"),
     "missed-window": (["play"], "Missed: bench 11"),
     "unguided": (["play"], "Benches 162 and 206 touch"),
     "engine": (["play", {"step": 1}, "play"], r"0\.[45]\d of the error"),
-    "pitch": ([{"pitch": 450}, {"pitch": 451}], "The dragon gets in"),
+    "pitch": (["play"], "meets bench 19"),
     "u-turn": (["play"], r"= 13\.62 m, yours .* = 13\.62 m"),
     "speed-limit": (["play"], "In the whole turn: .* handle [3-7]"),
     "robot": (["play"], "Link 0 runs into link 13"),
