@@ -22,6 +22,7 @@ from pymunk_dragon.lessons._framework import lesson, page
 from pymunk_dragon.lessons._framework.lesson import blocks
 from pymunk_dragon.lessons._framework.notebook import make_notebook
 from pymunk_dragon.lessons._framework.page import make_page
+from pymunk_dragon.lessons._framework.program import chinese
 from pymunk_dragon.web.markup import html, plain
 
 LANGUAGES = ("en", "zh")
@@ -151,6 +152,16 @@ def test_picture_of_each_lesson_is_small_and_its_numbers_to_check_are_printed():
 
 def test_change_of_the_lesson_on_separating_axes_is_drawn(here):
     exec(LESSONS["sat"].source.replace("begins[0] - ends[1]))", "begins[0] - ends[1])[:2])"), {})
+
+
+def test_labels_of_a_picture_are_chinese_on_the_chinese_page():
+    labels = {"order {}, {} iterations": "{} 阶，迭代 {} 次", "time (s)": "时间（s）"}
+    assert chinese("order 2, 80 iterations", labels) == "2 阶，迭代 80 次"
+    assert chinese("time (s)", labels) == "时间（s）"
+    assert chinese("0.5", labels) is None
+    found = played("spiral")
+    pictures = [Image.open(BytesIO(each)) for each in (found.picture, found.chinese)]
+    assert pictures[0].convert("RGB").tobytes() != pictures[1].convert("RGB").tobytes()
 
 
 def test_program_that_fails_or_has_no_picture_is_one_line(own):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import re
+from itertools import product
 
 import pytest
 from browser import framed, needs_browser, opened, wait_until
@@ -330,7 +331,7 @@ def test_course_language_and_links_work_in_a_frame_that_allows_scripts_only(brow
             )
             lesson.locator("input").first.check()
             lesson.locator(opens).click()
-            assert lesson.locator(".stage :is(canvas, img)").is_visible()
+            assert lesson.locator(".stage :is(canvas, img):visible").count() == 1
             lesson.locator(".show").click()
             assert lesson.locator(".answer").is_visible()
             lesson.locator(".code summary").click()
@@ -348,7 +349,7 @@ def test_course_language_and_links_work_in_a_frame_that_allows_scripts_only(brow
 def test_lesson_of_the_engine_shows_its_recorded_run_and_how_to_play_it_live(seen):
     lesson = seen.page.locator("#tension")
     lesson.locator(".cover .open-unguessed").click()
-    assert lesson.locator(".stage[data-scene] img").is_visible()
+    assert lesson.locator(".stage[data-scene] img:visible").count() == 1
     assert "pymunk-dragon demo --live" in lesson.locator(".stage").inner_text()
 
 
@@ -438,6 +439,14 @@ def test_experiments_with_pymunk_are_live_on_a_live_server(browser):
         # A button of the other stage begins anew there.
         seen.page.click("#callbacks .actions button >> nth=0")
         wait_until(seen.page, "playedNow.name === 'callbacks' && !playedNow.note")
+        # All of a stage is in the window here too.
+        for (width, height), name in product(WINDOWS, ("callbacks", "tension")):
+            seen.page.set_viewport_size({"width": width, "height": height})
+            stage = seen.page.locator(f"#{name} .pinned")
+            stage.evaluate("(pinned) => pinned.scrollIntoView()")
+            settle(seen.page)
+            assert min(stage.locator(".stage").evaluate(SIDES)) >= 0, (name, width)
+
         # The live page by itself has a link to the lesson.
         seen.page.goto(running.address.replace("/?", "/live?"))
         seen.page.click("#lesson")

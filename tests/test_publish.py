@@ -443,8 +443,10 @@ def test_site_plays_a_scene_of_a_link(browser, site):
             wait_until(page, "live.frame?.time >= 0.4999")
             assert page.evaluate("[live.state.running, live.state.values.rows]") == [False, 4]
             wait_until(page, "location.hash === '#scene=boxes&set.rows=4&t=0.500'")
-            page.select_option("#scene", "cradle")
-            wait_until(page, "live.scene.name === 'cradle' && live.frame?.time > 0")
+            page.select_option("#scene", "dragon")
+            wait_until(page, "live.scene.name === 'dragon' && live.frame?.time > 0")
+            # This scene is of no lesson to which a link could lead.
+            assert page.is_hidden("#lesson")
             assert found.complaints == []
 
 

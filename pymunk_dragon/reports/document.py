@@ -141,7 +141,9 @@ def _contact_times(summary: Summary) -> tuple[float, float] | None:
     exact = summary.exact_contact
     if not (run.guide and run.free_from is None and contact and exact):
         return None
-    return (contact.time, exact.time) if contact.benches == exact.benches else None
+    if contact.benches != exact.benches:
+        return None
+    return contact.time, exact.time
 
 
 def sections(summary: Summary) -> list[Section]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,6 +17,16 @@ from pymunk_dragon.reports.formats import contact_pictures
 from pymunk_dragon.studies import Paper
 from pymunk_dragon.web.html import asset, data_address, filled
 from pymunk_dragon.web.markup import html, mathml
+
+# Answers in the table of errors: the name, the unit of the error, and that of a change. The first
+# one, without a name here, has the handle in its name.
+_ANSWERS = (
+    ("", "m", "mm"),
+    ("first contact", "m", "ms"),
+    ("smallest pitch", "m", "mm"),
+    ("length of the turn", "m", "mm"),
+    ("largest speed", "m/s", "mm/s"),
+)
 
 
 def write_paper(found: Paper, path: str | Path) -> None:
@@ -32,6 +42,8 @@ def write_paper(found: Paper, path: str | Path) -> None:
     """
     destination = check_destination(path, (".html",))
     instance("found", found, Paper, "a Paper")
+    heads = [*map(text, ("t (s)", "handle", "x (m)", "y (m)", "speed (m/s)"))]
+    states = found.states.rows(found.march.dragon.representatives)
     page = filled(
         __package__,
         "paper.html.j2",
@@ -39,78 +51,37 @@ def write_paper(found: Paper, path: str | Path) -> None:
         text=text,
         html=html,
         mathml=mathml,
+        degrees=math.degrees,
         colours=asset("pymunk_dragon.web", "assets/colours.css"),
         found=found,
-        answers=_answers(found),
-        states=_states(found),
+        states=Table([*map(_state, states)], heads, left=()),
         near_misses=near_miss_table(found.contact.near_misses or ()),
-        angle=f"{math.degrees(abs(found.turn.turn.sweeps[0])):.6f}",
         figures=_figures(found),
         sensitivities=_sensitivities(found),
     )
     with written_in_place(destination) as draft:
-        draft.write_text(page, encoding="utf-8")
+        draft.write_bytes(page.encode("utf-8"))
 
 
-def _answers(found: Paper) -> list[tuple[str, str]]:
-    """The five questions and answers in a line each."""
-    states = found.states
-    x, y = states.positions[-1, -1]
-    place = text("handle {i} at {time:g} s at ({x:.6f}, {y:.6f}) m, {speed:.6f} m/s")
-    place = place.format(
-        i=found.march.dragon.handles - 1,
-        time=states.times[-1],
-        x=x,
-        y=y,
-        speed=states.speeds[-1, -1],
-    )
-    time = text("at {time:.9f} s: benches {i} and {j}")
-    i, j = found.contact.benches or (0, 0)
-    return [
-        (text("Where the handles are, and how fast"), place),
-        (
-            text("When the dragon first touches itself"),
-            time.format(time=found.contact.time, i=i, j=j),
-        ),
-        (text("The smallest pitch"), f"{found.smallest.pitch:.12f} m"),
-        (text("The turn"), f"{found.turn.turn.length:.6f} m"),
-        (text("The largest speed of the head"), f"{found.fastest.speed:.10f} m/s"),
-    ]
-
-
-def _states(found: Paper) -> Table:
-    """Positions and speeds of the paper's handles."""
-    heads = ("t (s)", text("handle"), "x (m)", "y (m)", text("speed (m/s)"))
-    rows = []
-    for time, handle, *values in found.states.rows(found.march.dragon.representatives):
-        # Adding 0 turns the -0.0 of a rounded tiny number into 0.0.
-        numbers = [f"{round(value, 6) + 0.0:.6f}" for value in values]
-        rows.append((f"{time:g}", str(handle), *numbers))
-    return Table(rows, heads, left=())
+def _state(row: Sequence[float]) -> list[str]:
+    """Cells of the time, handle, position and speed of a state."""
+    time, handle, *values = row
+    # Adding 0 turns the -0.0 of a rounded tiny number into 0.0.
+    numbers = [f"{round(value, 6) + 0.0:.6f}" for value in values]
+    return [f"{time:g}", str(handle), *numbers]
 
 
 def _sensitivities(found: Paper) -> Table:
     """A row for each answer: its error, and its change for a millimetre more of each size."""
     last = text("handle {i} at {time:g} s, along the path")
-    none = dict.fromkeys(found.speed_slopes, 0.0)
-    answers: list[tuple[str, str, str, Mapping[str, float | None]]] = [
-        (
-            last.format(i=found.march.dragon.handles - 1, time=found.states.times[-1]),
-            "m",
-            "mm",
-            found.last_slopes,
-        ),
-        (text("first contact"), "m", "ms", found.sensitivity.times),
-        (text("smallest pitch"), "m", "mm", found.sensitivity.pitches),
-        (text("length of the turn"), "m", "mm", none),
-        (text("largest speed"), "m/s", "mm/s", found.speed_slopes),
-    ]
-    rows = []
-    for number, (name, unit, change, slopes) in enumerate(answers, 1):
-        error = f"{found.errors[number - 1]:.1e} {unit}"
+    last = last.format(i=found.march.dragon.handles - 1, time=found.states.times[-1])
+    answers = zip(_ANSWERS, found.errors, found.slopes, strict=True)
+    rows: list[tuple[str, ...]] = []
+    for (name, unit, change), error, slopes in answers:
         cells = [_change(slope, change) for slope in slopes.values()]
-        rows.append((f"{number}. {name}", error, *cells))
-    sizes = (name.replace("_", " ") for name in none)
+        answer = f"{len(rows) + 1}. {text(name) or last}"
+        rows.append((answer, f"{error:.1e} {unit}", *cells))
+    sizes = (name.replace("_", " ") for name in found.speed_slopes)
     return Table(rows, [*map(text, ("answer", "error", *sizes))], left=(0,))
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import math
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -21,10 +22,8 @@ _ACROSS = np.array([0, 0, 3, -6, 6, -6, 6, -6, 6, -6, 6, -3, 6, 0, 0])
 _DOT = 5.0
 
 
-def joint_calls(
-    joints: Sequence[pymunk.Constraint], ends: Array, colour: SpaceDebugColor
-) -> Iterator[DrawCall]:
-    """Dots and lines of joints that are awake, whose `ends` (J, 4) are in the world."""
+def joint_calls(space: pymunk.Space, ends: Array, colour: SpaceDebugColor) -> Iterator[DrawCall]:
+    """Dots and lines of the joints of a space that are awake; `ends` (J, 4) are in the world."""
     begin, end = ends[:, :2], ends[:, 2:]
     along = end - begin
     length = np.hypot(*along.T)[:, None]
@@ -32,12 +31,14 @@ def joint_calls(
     across = along[:, ::-1] * (-1, 1) / np.where(length > 0, length, np.nan)
     coils = begin[:, None] + along[:, None] * _ALONG[:, None] + across[:, None] * _ACROSS[:, None]
 
-    for joint, a, b, coil in zip(joints, begin.tolist(), end.tolist(), coils.tolist(), strict=True):
+    can_sleep = math.isfinite(space.sleep_time_threshold)
+    found = zip(space.constraints, begin.tolist(), end.tolist(), coils.tolist(), strict=True)
+    for joint, a, b, coil in found:
+        if can_sleep and sleeps(joint):
+            continue
         dots = [a, b]
         line: list[Any] = []
         match joint:
-            case _ if sleeps(joint):
-                continue
             case pymunk.DampedSpring():
                 line = coil if a != b else []
             case pymunk.PinJoint() | pymunk.SlideJoint():

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Callable, Mapping
+from itertools import chain, starmap
 from typing import Any
 
 import numpy as np
@@ -20,6 +22,8 @@ from pymunk_dragon.web.frames import in_binary, packed
 
 # Distance at which two points are the same, units of the space: rounding.
 _SAME = 1e-9
+# Arguments by function.
+_Read = defaultdict[Callable[..., Any], list[Any]]
 _POSE = BodyFields.BODY_ID | BodyFields.POSITION | BodyFields.ANGLE
 
 
@@ -47,9 +51,9 @@ class Outlines:
         self._shapes: list[pymunk.Shape] = []
         # What all but the poses was when the shapes were drawn.
         self._facts: Any = None
-        # Functions that read numbers and points of the shapes, with their arguments.
-        self._numbers: list[tuple[Callable[[Any], float], Any]] = []
-        self._points: list[tuple[Callable[..., Any], tuple[Any, ...]]] = []
+        # What numbers and points of the shapes are read of, by the functions that read them.
+        self._numbers: _Read = defaultdict(list)
+        self._points: _Read = defaultdict(list)
 
     def poses(self) -> Array:
         """Poses (1 + B, 3) of the space, which are 0, and of its bodies; `frame` goes with them."""
@@ -65,19 +69,20 @@ class Outlines:
 
     def _read(self, ids: bytes) -> Any:
         """What has to be as it was for the shapes to be drawn as they were."""
-        numbers = [read(of) for read, of in self._numbers]
+        numbers = [[*map(read, those)] for read, those in self._numbers.items()]
         if self._facts and numbers != self._facts[0]:
             # A polygon may have fewer corners than before.
             return None
-        points = ffi.new("cpVect[]", [read(*of) for read, of in self._points])
+        found = chain.from_iterable(map(starmap, self._points, self._points.values()))
+        points = ffi.new("cpVect[]", [*found])
         return numbers, bytes(ffi.buffer(points)), [*map(_own_colour, self._shapes)], ids
 
     def _draw(self, ids: bytes) -> None:
         """Draw the shapes."""
         self._facts = None
         self._shapes = list(self._space.shapes)
-        self._numbers = []
-        self._points = []
+        self._numbers.clear()
+        self._points.clear()
         self._space.debug_draw(self._recorder)
 
         calls = self._recorder.calls
@@ -103,32 +108,31 @@ class Outlines:
             call.angle = 0.0
             return row
 
-        self._numbers.append((lib.cpBodyGetAngle, body._body))
-        self._points.append((lib.cpBodyGetPosition, (body._body,)))
+        self._numbers[lib.cpBodyGetAngle].append(body._body)
+        self._points[lib.cpBodyGetPosition].append((body._body,))
         pairs = zip(map(body.local_to_world, corners), call.points, strict=True)
         return 0 if all(one.get_distance(two) < _SAME for one, two in pairs) else None
 
     def _watch(self, shape: Any, body: Any) -> list[pymunk.Vec2d]:
         """Have what a shape is drawn with be read, and return its corners or centre."""
         raw = shape._shape
-        self._numbers += [
-            (lib.cpShapeGetSensor, raw),
-            (lib.cpBodyGetType, body),
-            (lib.cpBodyIsSleeping, body),
-        ]
+        self._numbers[lib.cpShapeGetSensor].append(raw)
+        self._numbers[lib.cpBodyGetType].append(body)
+        self._numbers[lib.cpBodyIsSleeping].append(body)
         match shape:
             case pymunk.Circle():
-                self._numbers.append((lib.cpCircleShapeGetRadius, raw))
-                self._points.append((lib.cpCircleShapeGetOffset, (raw,)))
+                self._numbers[lib.cpCircleShapeGetRadius].append(raw)
+                self._points[lib.cpCircleShapeGetOffset].append((raw,))
                 return [shape.offset]
             case pymunk.Segment():
-                self._numbers.append((lib.cpSegmentShapeGetRadius, raw))
-                ends = lib.cpSegmentShapeGetA, lib.cpSegmentShapeGetB
-                self._points += [(end, (raw,)) for end in ends]
+                self._numbers[lib.cpSegmentShapeGetRadius].append(raw)
+                self._points[lib.cpSegmentShapeGetA].append((raw,))
+                self._points[lib.cpSegmentShapeGetB].append((raw,))
                 return [shape.a, shape.b]
         corners: list[pymunk.Vec2d] = shape.get_vertices()
-        self._numbers += [(lib.cpPolyShapeGetCount, raw), (lib.cpPolyShapeGetRadius, raw)]
-        self._points += [(lib.cpPolyShapeGetVert, (raw, i)) for i in range(len(corners))]
+        self._numbers[lib.cpPolyShapeGetCount].append(raw)
+        self._numbers[lib.cpPolyShapeGetRadius].append(raw)
+        self._points[lib.cpPolyShapeGetVert] += [(raw, i) for i in range(len(corners))]
         return corners
 
 

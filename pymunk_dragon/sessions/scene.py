@@ -427,7 +427,7 @@ class Scene:
 
         drawn = [*self.space.constraints]
         rows = self._readings.joints(drawn)
-        of_joints = joint_calls(drawn, rows[:, :4], self._recorder.constraint_color)
+        of_joints = joint_calls(self.space, rows[:, :4], self._recorder.constraint_color)
         calls, colours = packed([*of_joints, *self._drawing.calls], grip)
 
         with_forces = set(self.joints())

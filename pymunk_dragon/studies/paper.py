@@ -86,6 +86,13 @@ class Paper(Result):
             self.fastest.excess * self.fastest.speed,
         )
 
+    @property
+    def slopes(self) -> tuple[Mapping[str, float | None], ...]:
+        """Derivatives of the answers by the sizes; no size of the dragon changes the turn."""
+        none = dict.fromkeys(self.speed_slopes, 0.0)
+        contacts = self.sensitivity.times, self.sensitivity.pitches
+        return self.last_slopes, *contacts, none, self.speed_slopes
+
     def to_dict(self) -> dict[str, Any]:
         """Values in SI units, as `study paper --json` prints them."""
         return {
@@ -95,13 +102,7 @@ class Paper(Result):
             "turn": self.turn.to_dict(),
             "largest_speed": self.fastest.to_dict(),
             "errors": self.errors,
-            "slopes": [
-                self.last_slopes,
-                self.sensitivity.times,
-                self.sensitivity.pitches,
-                dict.fromkeys(self.speed_slopes, 0.0),
-                self.speed_slopes,
-            ],
+            "slopes": self.slopes,
         }
 
     def _lines(self) -> list[str]:

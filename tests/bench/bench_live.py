@@ -9,6 +9,7 @@ from __future__ import annotations
 import asyncio
 import gzip
 import json
+import math
 import re
 import subprocess
 import sys
@@ -16,9 +17,10 @@ import tempfile
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, redirect_stderr
 from functools import partial
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from io import StringIO
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -146,44 +148,92 @@ def soak() -> None:
         print(f"{frames:.1f} frames a second, {simulated:.3f} times real time")
 
 
-def circles() -> pymunk.Space:
-    """3,000 circles in a tub."""
+def circles(count: int) -> pymunk.Space:
+    """Circles that fall in a tub."""
     space = pymunk.Space()
     space.gravity = 0, -900
-    for a, b in (((0, 0), (1000, 0)), ((0, 0), (0, 1500)), ((1000, 0), (1000, 1500))):
+    columns = round(math.sqrt(1.2 * count))
+    width = 16 * columns + 40
+    height = 1.5 * width
+    for a, b in (((0, 0), (width, 0)), ((0, 0), (0, height)), ((width, 0), (width, height))):
         space.add(pymunk.Segment(space.static_body, a, b, 5))
-    for i in range(3000):
+    for i in range(count):
         body = pymunk.Body(1, 10)
-        body.position = 20 + 16 * (i % 60), 20 + 16 * (i // 60)
+        body.position = 20 + 16 * (i % columns), 20 + 16 * (i // columns)
         space.add(body, pymunk.Circle(body, 7))
     return space
+
+
+def pyramid(rows: int) -> pymunk.Space:
+    """Boxes that sleep."""
+    space = pymunk.Space()
+    space.gravity = 0, -900
+    space.sleep_time_threshold = 0.5
+    space.add(pymunk.Segment(space.static_body, (-8 * rows, 0), (8 * rows, 0), 1))
+    for row in range(rows):
+        for k in range(rows - row):
+            body = pymunk.Body(1, 10)
+            body.position = 15 * (k - (rows - row - 1) / 2), 8 + 14 * row
+            space.add(body, pymunk.Poly.create_box(body, (14, 14)))
+    for body in space.bodies:
+        body.sleep()
+    return space
+
+
+@contextmanager
+def address_of(what: Any, **options: Any) -> Iterator[str]:
+    """The address of the page of a session in this process."""
+    # The address that is printed for a user is not a figure.
+    with redirect_stderr(StringIO()):
+        session = live(what, browser=False, **options)
+    with session:
+        yield session.address
 
 
 @contextmanager
 def page_of(what: Any, **options: Any) -> Iterator[Page]:
     """A session's page in Chromium."""
     with (
-        live(what, browser=False, **options) as session,
+        address_of(what, **options) as address,
         chromium() as started,
-        opened(started, session.address) as found,
+        opened(started, address) as found,
     ):
         yield found.page
 
 
 def browser() -> None:
-    """Pictures a second in Chromium, contacts shown, and the rate of the physics."""
-    pyramid = [Slider("rows", 2, 25, 25, rebuilds=True)]
-    for name, what, count, options in (
+    """Pictures a second in Chromium, the rate of the physics, and the time that a step takes."""
+    slider = [Slider("rows", 2, 25, 25, rebuilds=True)]
+    scenes: list[tuple[str, Any, int, dict[str, Any]]] = [
         ("223 benches", "dragon", FRAMES, {}),
-        ("325 boxes", _boxes, FRAMES // 3, {"controls": pyramid, "step": 1 / 120}),
-        ("3,000 circles", circles, FRAMES // 3, {"units": "px"}),
-    ):
+        ("325 boxes", _boxes, FRAMES // 3, {"controls": slider, "step": 1 / 120}),
+        ("3,000 circles that move", partial(circles, 3000), FRAMES // 10, {}),
+        ("10,000 circles that move", partial(circles, 10_000), FRAMES // 10, {}),
+        ("3,003 boxes that sleep", partial(pyramid, 77), FRAMES // 10, {}),
+        ("10,011 boxes that sleep", partial(pyramid, 141), FRAMES // 10, {}),
+    ]
+    for name, what, count, options in scenes:
         with page_of(what, **options) as page:
-            wait_until(page, f"live.drawn > {FRAMES // 5}")
+            wait_until(page, f"live.drawn > {FRAMES // 60}")
+            before = consumed()
             drawn, begin = page.evaluate("live.drawn"), time.perf_counter()
-            wait_until(page, f"live.drawn > {drawn + count}")
-            pictures = (page.evaluate("live.drawn") - drawn) / (time.perf_counter() - begin)
-            print(f"{name}: {pictures:.1f}, {page.inner_text('#achieved')}", flush=True)
+            wait_until(page, f"live.drawn > {drawn + count}", 600.0)
+            made = page.evaluate("live.drawn") - drawn
+            pictures = made / (time.perf_counter() - begin)
+            print(f"{name}: {pictures:.1f}, {page.inner_text('#achieved')}", end=", ")
+            print(f"{1e3 * page.evaluate('live.frame.step_time'):.1f} ms a step", end=", ")
+            after = consumed()
+            used = [1e3 * (after[k] - before[k]) / made for k in (0, 1)]
+            print(f"{used[0]:.1f} and {used[1]:.1f} ms of processor time in process", end=" ")
+            print(f"and page, {after[2] / 1e6:.0f} MB of the page", flush=True)
+
+
+def consumed() -> tuple[float, float, float]:
+    """Processor time of this process and of its page, s, and memory of the page, bytes."""
+    me = psutil.Process()
+    pages = [each for each in me.children(recursive=True) if "--type=renderer" in each.cmdline()]
+    times = [sum(each.cpu_times()[:2]) for each in pages]
+    return sum(me.cpu_times()[:2]), sum(times), max(each.memory_full_info().uss for each in pages)
 
 
 def delay() -> None:
@@ -273,13 +323,6 @@ class Files(SimpleHTTPRequestHandler):
 
 
 @contextmanager
-def over_a_socket() -> Iterator[str]:
-    """The address of the page of a session in this process."""
-    with live("dragon", browser=False) as session:
-        yield session.address
-
-
-@contextmanager
 def published() -> Iterator[str]:
     """The address of a published page, whose engine is in the browser."""
     with tempfile.TemporaryDirectory() as name:
@@ -342,8 +385,8 @@ def page() -> None:
     """Files, processor time and memory at the first frame, a change of scene, memory after ten."""
     if reason := in_node.missing() if CHROMIUM else "no Chromium":
         raise in_node.CannotRunError(reason)
-    for name, place in {"over a socket": over_a_socket, "published": published}.items():
-        with place() as address:
+    for name, place in {"over a socket": address_of("dragon"), "published": published()}.items():
+        with place as address:
             figures_of_page(name, address)
 
 

@@ -184,7 +184,6 @@ function depict(card) {
   lab.film = film && JSON.parse(film.textContent);
   lab.isSmall = true;
   stages[name](lab);
-  lab.canvas.role = "presentation";
   partOf(card, ".picture").append(lab.canvas);
   lab.readColours();
   lab.watch();

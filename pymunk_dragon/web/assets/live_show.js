@@ -65,6 +65,8 @@ function showLesson({ lesson }) {
   const option = language === "en" ? "" : ` --lang ${language}`;
   const command = `pymunk-dragon demo --live ${lesson}${option}`;
   setText("lesson", lesson ? localized("Lesson: {name}", { name: here ? lesson : command }) : "");
+  // Without a text it would be a link that nobody can name.
+  link.hidden = !lesson;
   if (here) link.href = `./${SITE?.lessons ?? ""}${location.search}#${lesson}`;
 }
 
