@@ -56,13 +56,17 @@ ERRORS = json.dumps(
         "exact": [[[-2 * i, t] for i in range(8)] for t in range(5)],
     }
 )
+# A page in a file has nothing that plays a scene.
+NO_ENGINE = """Played.prototype.enter = function () {
+  this.note = ["Nothing plays here.", "这里没有引擎。"];
+};"""
 SUPERSCRIPTS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
 
 
 def stage_page(stage: str = "", language: str = "en") -> str:
     """A page with all scripts of the stages, and with one stage that is open."""
     stages = [path.read_text("utf-8") for path in sorted(LESSONS.glob("*.js"))]
-    script = "".join([*scripts("lab", "played"), *stages])
+    script = "".join([*scripts("lab", "played"), *stages, NO_ENGINE])
     opening = (
         f'<script>openStage(document.querySelector("[data-stage={stage}]"))</script>'
         if stage
