@@ -68,9 +68,8 @@ def test_page_is_small_no_wider_than_the_window_requests_nothing_and_shows_all_p
     browser, address
 ):
     for media, width, language in (
-        ("screen", 1280, "en"),
         ("screen", 390, "zh"),
-        ("print", 688, "zh"),
+        ("print", 688, "en"),
     ):
         own = f"{address}?{language}"
         with opened(browser, own, width, 900, is_mobile=width < 600) as seen:
@@ -246,7 +245,7 @@ def test_all_of_a_stage_is_in_the_window_and_nothing_lies_over_it(browser, addre
     for width, height in (*WINDOWS, (1024, 768), (1366, 768)):
         with opened(browser, address, width, height, is_mobile=width < 600) as seen:
             assert seen.page.evaluate(COVERED) == []
-            for lesson in ALL:
+            for lesson in ALL if (width, height) in WINDOWS else ALL[::4]:
                 seen.page.evaluate(
                     f"document.querySelector('#{lesson.name} .open-unguessed').click()"
                 )
@@ -303,7 +302,7 @@ def test_films_that_repeat_can_be_paused_with_the_keyboard(browser, address):
     for calm in (False, True):
         motion = "reduce" if calm else "no-preference"
         with opened(browser, address, reduced_motion=motion) as seen:
-            seen.page.evaluate(UNFOLD)
+            seen.page.evaluate("document.querySelector('#unguided details').open = true")
             film = seen.page.locator("#unguided details")
             assert film.locator("img").count() == (not calm)
             film.locator(".pause").press("Enter")

@@ -116,16 +116,14 @@ def _trajectories(source: FigureSource) -> Figure:
     figure, (seen, over) = slide(title, subtitle.format(source.begin, source.end, *extent), 1, 2)
 
     seen.plot(*whole.T, color=PALE, lw=0.8)
-    hollow = {"color": COLOURS.ink, "mfc": COLOURS.background, "ms": 6, "zorder": 4}
-    number: dict[str, Any] = {"ha": "center", "va": "center", "size": 9, "zorder": 5}
-    for handle in handles:
+    for rank, handle in enumerate(handles):
         path = source.path(first[handle], last[handle], 900)
         seen.plot(*path.T, color=BLUE, lw=0.6, gid=f"path-{handle}")
-        start = seen.plot(*path[0], "o", label=text("at the start"), **hollow)
-        stop = seen.plot(*path[-1], "o", color=COLOURS.ink, ms=6, label=text("at the end"))
-        for end in (path[0], path[-1]):
-            place = {"xytext": (0, 12), "textcoords": "offset points"}
-            seen.annotate(str(handle), end, path_effects=halo(), **place, **number)
+        # The colours of the lines beside it.
+        look: dict[str, Any] = {"mec": f"C{rank}", "ms": 7, "mew": 1.8, "zorder": 4}
+        hollow = {"mfc": COLOURS.background, "label": text("at the start")}
+        start = seen.plot(*path[0], "o", **look, **hollow)
+        stop = seen.plot(*path[-1], "o", mfc=f"C{rank}", label=text("at the end"), **look)
     plan(seen)
     seen.legend(handles=start + stop, loc="lower left", bbox_to_anchor=(0, 1), ncols=2, **_BARE)
 

@@ -66,5 +66,12 @@ controls = [
     Key("s", strike),
 ]
 plots = {"balls": lambda space: len(space.bodies)}
-with live(build, step=1 / 480, on_step=pocket, controls=controls, plots=plots) as session:
+with live(
+    build,
+    view=(1.27, 0.635, 2.8, 1.5),
+    step=1 / 480,
+    on_step=pocket,
+    controls=controls,
+    plots=plots,
+) as session:
     session.wait()

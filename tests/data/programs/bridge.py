@@ -73,5 +73,7 @@ controls = [
     Button("Drop a ball", drop),
 ]
 plots = {"largest force (N)": largest}
-with live(build, step=1 / 240, on_step=break_joints, controls=controls, plots=plots) as session:
+with live(
+    build, view=(0, -1.5, 16, 7), step=1 / 240, on_step=break_joints, controls=controls, plots=plots
+) as session:
     session.wait()

@@ -28,6 +28,7 @@ def build(stiffness=400.0, grip=1.5):
     body = pymunk.Poly.create_box(chassis, (2.4, 0.5))
     body.filter = car
     space.add(chassis, body)
+    space.chassis = chassis
     for x in (-0.9, 0.9):
         wheel = pymunk.Body(1, pymunk.moment_for_circle(1, 0, 0.4))
         wheel.position = x, 0.75
@@ -64,5 +65,12 @@ controls = [
     Key("ArrowLeft", back, up=roll),
     Slider("stiffness", 150, 1000, rebuilds=True, unit="N/m"),
 ]
-with live(build, step=1 / 240, on_step=drive, controls=controls) as session:
+with live(
+    build,
+    view=(0, 0.5, 16, 7),
+    follow=lambda space: space.chassis,
+    step=1 / 240,
+    on_step=drive,
+    controls=controls,
+) as session:
     session.wait()

@@ -53,5 +53,7 @@ controls = [
     Slider("wind", -400, 400, 0, action=wind, unit="px/s²"),
     Button("Drop it", drop),
 ]
-with live(build, step=1 / 240, controls=controls, y_down=True, units="px") as session:
+with live(
+    build, view=(300, 220, 520, 420), step=1 / 240, controls=controls, y_down=True, units="px"
+) as session:
     session.wait()

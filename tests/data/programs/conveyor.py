@@ -54,5 +54,7 @@ controls = [
     Button("A box more", add_box),
 ]
 plots = {"boxes": lambda space: len(space.bodies)}
-with live(build, step=1 / 240, on_step=on_step, controls=controls, plots=plots) as session:
+with live(
+    build, view=(0, 1, 9, 4.5), step=1 / 240, on_step=on_step, controls=controls, plots=plots
+) as session:
     session.wait()

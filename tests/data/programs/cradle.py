@@ -39,5 +39,7 @@ controls = [
     Slider("raised", 0, 4, rebuilds=True, whole=True),
     Button("Push", push),
 ]
-with live(build, step=1 / 600, controls=controls, plots={"energy (J)": energy}) as session:
+with live(
+    build, view=(0, 1, 6, 3.2), step=1 / 600, controls=controls, plots={"energy (J)": energy}
+) as session:
     session.wait()

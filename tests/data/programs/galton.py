@@ -61,6 +61,8 @@ controls = [
     Slider("balls", 20, 300, rebuilds=True, whole=True),
     Button("Shake", shake),
 ]
-session = live(build, step=1 / 240, controls=controls, y_down=True, units="px")
+session = live(
+    build, view=(300, 175, 340, 840), step=1 / 240, controls=controls, y_down=True, units="px"
+)
 session.wait()
 session.stop()

@@ -48,5 +48,7 @@ controls = [
     Slider("angle", 0.05, 1.0, rebuilds=True, unit="rad"),
 ]
 plots = {"longest (°)": angle_of(0), "shortest (°)": angle_of(14)}
-with live(build, step=1 / 480, controls=controls, plots=plots) as session:
+with live(
+    build, view=(0.89, -0.35, 2.2, 1.2), step=1 / 480, controls=controls, plots=plots
+) as session:
     session.wait()

@@ -70,5 +70,12 @@ controls = [
     Slider("jump", 200, 700, rebuilds=True, unit="px/s"),
 ]
 settings = {"step": 1 / 240, "y_down": True, "units": "px"}
-with live(build, on_step=on_step, controls=controls, **settings) as session:
+with live(
+    build,
+    view=(350, 200, 500, 400),
+    follow=lambda space: space.player,
+    on_step=on_step,
+    controls=controls,
+    **settings,
+) as session:
     session.wait()

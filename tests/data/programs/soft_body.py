@@ -63,5 +63,13 @@ controls = [
     Slider("pressure", 0, 150, 40, action=set_pressure),
     Button("One more", lambda space: add_ring(space, (500, 60))),
 ]
-with live(build, step=1 / 240, on_step=blow, controls=controls, y_down=True, units="px") as session:
+with live(
+    build,
+    view=(350, 225, 720, 470),
+    step=1 / 240,
+    on_step=blow,
+    controls=controls,
+    y_down=True,
+    units="px",
+) as session:
     session.wait()
