@@ -302,7 +302,7 @@ def test_films_that_repeat_can_be_paused_with_the_keyboard(browser, address):
     for calm in (False, True):
         motion = "reduce" if calm else "no-preference"
         with opened(browser, address, reduced_motion=motion) as seen:
-            seen.page.evaluate("document.querySelector('#unguided details').open = true")
+            seen.page.evaluate(UNFOLD.replace(".lesson", "#unguided"))
             film = seen.page.locator("#unguided details")
             assert film.locator("img").count() == (not calm)
             film.locator(".pause").press("Enter")
