@@ -91,7 +91,8 @@ def main() -> None:
         draw = ImageDraw.Draw(frames[-1])
         draw.circle(tuple(place), 12 if down else 0, outline="#b00d27", width=3)
         draw.polygon([tuple(corner) for corner in ARROW + place], fill="black", outline="white")
-    palette = frames[25].quantize(200, Image.Quantize.FASTOCTREE)
+    # The last one has all colours, also those of contacts.
+    palette = frames[-1].quantize(200, Image.Quantize.FASTOCTREE)
     first, *rest = (each.quantize(palette=palette, dither=Image.Dither.NONE) for each in frames)
     first.save(sys.argv[1], save_all=True, append_images=rest, duration=100, loop=0, optimize=True)
 
