@@ -184,8 +184,8 @@ def test_page_gets_shapes_once_and_again_when_they_change():
                 on.step(1)
             on.session.call(lambda radius=radius: circle.unsafe_set_radius(radius))
             on.settle()
-        assert len(set(got)) == 2
-        assert len({*map(id, got)}) == 2
+        # A picture after the last change may have come, too.
+        assert len({*map(id, got)}) == len(set(got)) >= 2
 
 
 def test_frame_of_bodies_at_rest_is_short():
