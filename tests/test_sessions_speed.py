@@ -171,7 +171,7 @@ def test_page_gets_shapes_once_and_again_when_they_change():
     circle = shape_on(body, "circle")
     space.add(body, circle)
     with played(space) as on:
-        got = []
+        got, shapes = [], []
 
         class Page(Listener):
             def show(self, frame, outlines):
@@ -179,13 +179,16 @@ def test_page_gets_shapes_once_and_again_when_they_change():
 
         on.session.join(Page(on.session, []))
         for radius in (0.9, 0.8):
-            count = len(got)
-            while len(got) < count + 3:
-                on.step(1)
             on.session.call(lambda radius=radius: circle.unsafe_set_radius(radius))
             on.settle()
-        # A picture after the last change may have come, too.
-        assert len({*map(id, got)}) == len(set(got)) >= 2
+            # Pictures that were made before the change are not counted.
+            got.clear()
+            while len(got) < 3:
+                on.step(1)
+            assert len(set(got)) == 1
+            assert len({*map(id, got)}) == 1
+            shapes.append(got[0])
+        assert shapes[0] != shapes[1]
 
 
 def test_frame_of_bodies_at_rest_is_short():

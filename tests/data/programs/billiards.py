@@ -68,6 +68,7 @@ controls = [
 plots = {"balls": lambda space: len(space.bodies)}
 with live(
     build,
+    title="Billiards",
     view=(1.27, 0.635, 2.8, 1.5),
     step=1 / 480,
     on_step=pocket,

@@ -74,6 +74,12 @@ controls = [
 ]
 plots = {"largest force (N)": largest}
 with live(
-    build, view=(0, -1.5, 16, 7), step=1 / 240, on_step=break_joints, controls=controls, plots=plots
+    build,
+    title="A bridge that breaks",
+    view=(0, -1.5, 16, 7),
+    step=1 / 240,
+    on_step=break_joints,
+    controls=controls,
+    plots=plots,
 ) as session:
     session.wait()

@@ -67,6 +67,7 @@ controls = [
 ]
 with live(
     build,
+    title="A car on hills",
     view=(0, 0.5, 16, 7),
     follow=lambda space: space.chassis,
     step=1 / 240,

@@ -54,6 +54,12 @@ controls = [
     Button("Drop it", drop),
 ]
 with live(
-    build, view=(300, 220, 520, 420), step=1 / 240, controls=controls, y_down=True, units="px"
+    build,
+    title="Cloth",
+    view=(300, 220, 520, 420),
+    step=1 / 240,
+    controls=controls,
+    y_down=True,
+    units="px",
 ) as session:
     session.wait()

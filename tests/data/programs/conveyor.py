@@ -55,6 +55,12 @@ controls = [
 ]
 plots = {"boxes": lambda space: len(space.bodies)}
 with live(
-    build, view=(0, 1, 9, 4.5), step=1 / 240, on_step=on_step, controls=controls, plots=plots
+    build,
+    title="Conveyor belts",
+    view=(0, 1, 9, 4.5),
+    step=1 / 240,
+    on_step=on_step,
+    controls=controls,
+    plots=plots,
 ) as session:
     session.wait()

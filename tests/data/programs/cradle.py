@@ -40,6 +40,11 @@ controls = [
     Button("Push", push),
 ]
 with live(
-    build, view=(0, 1, 6, 3.2), step=1 / 600, controls=controls, plots={"energy (J)": energy}
+    build,
+    title="Newton's cradle",
+    view=(0, 1, 8, 3.2),
+    step=1 / 600,
+    controls=controls,
+    plots={"energy (J)": energy},
 ) as session:
     session.wait()

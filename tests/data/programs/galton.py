@@ -62,7 +62,13 @@ controls = [
     Button("Shake", shake),
 ]
 session = live(
-    build, view=(300, 175, 340, 840), step=1 / 240, controls=controls, y_down=True, units="px"
+    build,
+    title="Galton board",
+    view=(300, 175, 340, 840),
+    step=1 / 240,
+    controls=controls,
+    y_down=True,
+    units="px",
 )
 session.wait()
 session.stop()

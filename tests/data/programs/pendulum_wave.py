@@ -49,6 +49,11 @@ controls = [
 ]
 plots = {"longest (°)": angle_of(0), "shortest (°)": angle_of(14)}
 with live(
-    build, view=(0.89, -0.35, 2.2, 1.2), step=1 / 480, controls=controls, plots=plots
+    build,
+    title="Pendulum wave",
+    view=(0.89, -0.35, 2.2, 1.2),
+    step=1 / 480,
+    controls=controls,
+    plots=plots,
 ) as session:
     session.wait()

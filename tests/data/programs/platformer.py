@@ -72,6 +72,7 @@ controls = [
 settings = {"step": 1 / 240, "y_down": True, "units": "px"}
 with live(
     build,
+    title="Platformer",
     view=(350, 200, 500, 400),
     follow=lambda space: space.player,
     on_step=on_step,

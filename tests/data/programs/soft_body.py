@@ -65,6 +65,7 @@ controls = [
 ]
 with live(
     build,
+    title="Soft bodies",
     view=(350, 225, 720, 470),
     step=1 / 240,
     on_step=blow,
