@@ -238,9 +238,10 @@ def test_signal_ends_a_simulation_with_one_line_and_leaves_the_old_file(
     [("positions --times 0:300:1", "p.csv")],
     [
         ("positions --times 0:300:1", "p.xlsx"),
+        ("contact --from 412", "c.xlsx"),
         ("simulate --until 1", "run.npz"),
         ("render --until 6", "film.gif"),
-        ("report RUN.npz", "report.html"),
+        *(("report RUN.npz", f"report{ending}") for ending in (".html", ".md", ".csv", ".json")),
         ("render --until 6", "film.mp4"),
         ("render --until 6", "film.webp"),
         ("render RUN.npz", "page.html"),

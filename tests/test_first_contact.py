@@ -304,7 +304,7 @@ def marches(draw):
         reject()
 
 
-@examples(15)
+@examples(30)
 @given(marches())
 def test_nothing_touches_before_the_answer_and_every_near_miss_is_told(march):
     found = first_contact(march)

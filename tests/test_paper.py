@@ -103,7 +103,7 @@ def test_sensitivities_are_those_of_longer_differences():
     assert answers.last_slopes["width"] == answers.speed_slopes["width"] == 0
     assert answers.last_slopes["overhang"] == answers.speed_slopes["overhang"] == 0
     step = 1e-4
-    for name in ("body_spacing",):
+    for name in ("head_spacing", "body_spacing"):
         more, less = (
             replace(dragon, **{name: getattr(dragon, name) + side}) for side in (step, -step)
         )

@@ -85,6 +85,7 @@ def test_other_dragons_and_circles_touch_at_their_smallest_pitch(answer):
     wide = Dragon(benches=24, width=[0.3] * 3 + [0.4] + [0.3] * 20)
     for dragon, radius, first in (
         (Dragon(head_spacing=1.0, overhang=0.2), 4.5, 1),
+        (Dragon(body_spacing=1.7), 4.5, 0),
         (Dragon(), 3.0, 0),
         (wide, 4.5, 3),
         # Benches 0 and 2 are 0.15 m apart on a line, half the width: no pitch makes their gap
