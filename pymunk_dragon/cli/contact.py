@@ -31,7 +31,7 @@ from pymunk_dragon.model.march import March
 )
 @start_option
 @until_option
-@click.option("--step", type=float, metavar="T", help="Of the grid: s between samples.  [1]")
+@click.option("--step", type=float, help="Of the grid: s between samples.  [1]")
 @output_option(".json, or .xlsx for the contest's sheet of that moment")
 def contact(method: str, output: str | None, **choices: Any) -> None:
     """When benches that are not neighbours first touch, and where.
