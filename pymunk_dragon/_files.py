@@ -73,6 +73,12 @@ def written_in_place(path: str | Path) -> Iterator[Path]:
         shutil.rmtree(folder, ignore_errors=True)
 
 
+def write_text(path: str | Path, text: str) -> None:
+    """Write a text in UTF-8 with its own line ends, as `written_in_place` does."""
+    with written_in_place(path) as draft:
+        draft.write_bytes(text.encode("utf-8"))
+
+
 class _PassedOn(BaseException):
     """An error of code that draws, on its way through code that translates errors of writing."""
 

@@ -13,7 +13,7 @@ from typing import Any
 import click
 
 from pymunk_dragon._extras import library
-from pymunk_dragon._files import check_destination, written_in_place
+from pymunk_dragon._files import check_destination, write_text
 from pymunk_dragon._language import text
 
 # Libraries that write formats, by ending: a missing one is reported before the work.
@@ -79,8 +79,7 @@ def write_result(
     if path is None:
         return
     if write is None or path.suffix.lower() == ".json":
-        with written_in_place(path) as draft:
-            draft.write_text(json.dumps(result) + "\n", encoding="utf-8")
+        write_text(path, json.dumps(result) + "\n")
     else:
         write(path)
     print_written(path)

@@ -350,9 +350,7 @@ def _number(value: float | None, decimals: int, unit: str = "", *, scale: float 
     """`value * scale` with `decimals` digits after the decimal point, never `-0`, and the unit."""
     if value is None or not math.isfinite(value):
         return _MISSING
-    # Adding 0 turns the -0.0 of a rounded tiny number into 0.0.
-    rounded = round(value * scale, decimals) + 0.0
-    return f"{rounded:.{decimals}f}{unit}"
+    return f"{value * scale:z.{decimals}f}{unit}"
 
 
 def _size(value: float) -> str:

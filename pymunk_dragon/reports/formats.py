@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from pymunk_dragon._extras import is_installed
-from pymunk_dragon._files import check_destination, written_in_place
+from pymunk_dragon._files import check_destination, write_text
 from pymunk_dragon._language import language, text
 from pymunk_dragon.drawing import Camera, Film, still_png
 from pymunk_dragon.drawing.figures import figure, svg_of
@@ -83,10 +83,7 @@ def report(run: Run, path: str | Path) -> None:
     >>> report(run, "report.html")
     """
     destination = check_destination(path, FORMATS)
-    content = FORMATS[destination.suffix.lower()](summarize(run))
-    with written_in_place(destination) as draft:
-        # Bytes, since text mode would convert line ends, and CSV requires CR LF.
-        draft.write_bytes(content.encode("utf-8"))
+    write_text(destination, FORMATS[destination.suffix.lower()](summarize(run)))
 
 
 def _csv_text(summary: Summary) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 
 from pymunk_dragon._arrays import Array
 from pymunk_dragon._checks import instance
-from pymunk_dragon._files import check_destination, written_in_place
+from pymunk_dragon._files import check_destination, write_text
 from pymunk_dragon._language import text
 from pymunk_dragon.model.march import States
 from pymunk_dragon.web.html import substituted
@@ -60,17 +60,15 @@ def write_latex(states: States, handles: Sequence[int], path: str | Path) -> Non
         parts.append(_table(title, times[block], names, rows[:, block]))
         title = text("Speed of handle $i$, m/s")
         parts.append(_table(title, times[block], speed_names, np.transpose(speeds[block])))
-    with written_in_place(destination) as draft:
-        draft.write_text("".join([*parts, "\\endgroup\n"]).lstrip(), encoding="utf-8")
+    write_text(destination, "".join([*parts, "\\endgroup\n"]).lstrip())
 
 
 def _table(title: str, times: Sequence[float], names: Sequence[str], values: Array) -> str:
     """A table with a column for each time, s, and a row for each name."""
     head = [rf"{time:.12g}\,s" for time in times]
     rows = []
-    # Adding 0 turns the -0.0 of a rounded tiny number into 0.0.
-    for name, row in zip(names, np.round(values, 6) + 0.0, strict=True):
-        cells = [name, *(f"{value:.6f}" for value in row)]
+    for name, row in zip(names, values, strict=True):
+        cells = [name, *(f"{value:z.6f}" for value in row)]
         rows.append(" & ".join(f"${cell}$" for cell in cells))
     return substituted(
         _TABLE,

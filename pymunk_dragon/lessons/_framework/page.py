@@ -13,7 +13,7 @@ import numpy as np
 
 from pymunk_dragon._checks import function, instances, word
 from pymunk_dragon._extras import library
-from pymunk_dragon._files import check_destination, written_in_place
+from pymunk_dragon._files import check_destination, write_text
 from pymunk_dragon._language import LANGUAGES, in_language, text
 from pymunk_dragon.lessons._framework.lesson import Lesson, blocks
 from pymunk_dragon.lessons._framework.notebook import make_notebook
@@ -100,8 +100,7 @@ def write_lessons(
     else:
         written = run_page(lessons, language, progress)
 
-    with written_in_place(destination) as draft:
-        draft.write_bytes(written.encode("utf-8"))
+    write_text(destination, written)
 
 
 def run_page(
