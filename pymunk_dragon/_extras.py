@@ -1,7 +1,5 @@
 """Importing the libraries of the extras, which only some features need."""
 
-from __future__ import annotations
-
 from importlib import import_module
 from importlib.util import find_spec
 from typing import Any

@@ -1,7 +1,5 @@
 """Files: an interrupted program leaves the old one or none; text and tables of numbers are read."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import stat

@@ -1,7 +1,5 @@
 """`pymunk-dragon live`."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from time import sleep

@@ -1,7 +1,5 @@
 """Output of commands: progress, results as text or JSON, files, and what was written."""
 
-from __future__ import annotations
-
 import json
 import sys
 import time

@@ -1,7 +1,5 @@
 """`pymunk-dragon positions`."""
 
-from __future__ import annotations
-
 import csv
 from collections.abc import Sequence
 from math import isfinite

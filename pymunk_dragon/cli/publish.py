@@ -1,7 +1,5 @@
 """`pymunk-dragon publish`."""
 
-from __future__ import annotations
-
 import shlex
 from pathlib import Path
 

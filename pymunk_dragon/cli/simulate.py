@@ -1,7 +1,5 @@
 """`pymunk-dragon simulate`."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import click

@@ -1,7 +1,5 @@
 """`pymunk-dragon study`."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from inspect import signature
 from pathlib import Path

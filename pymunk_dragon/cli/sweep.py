@@ -1,7 +1,5 @@
 """`pymunk-dragon sweep`."""
 
-from __future__ import annotations
-
 import logging
 import os
 import sys

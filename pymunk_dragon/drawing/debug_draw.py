@@ -51,8 +51,6 @@ A picture of 223 benches and their pivots, 640 x 640 pixels, takes 38 ms, and 36
 `pymunk.matplotlib_util` (`python tests/bench/bench.py debug-draw`).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -3,8 +3,6 @@
 The Chinese font is used if a text needs it.
 """
 
-from __future__ import annotations
-
 import textwrap
 from bisect import bisect_left
 from functools import cache, lru_cache

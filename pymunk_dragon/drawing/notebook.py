@@ -1,7 +1,5 @@
 """The picture of a march or run in a notebook; `pymunk_dragon` registers it with IPython."""
 
-from __future__ import annotations
-
 from pymunk_dragon.drawing.film import still_png
 from pymunk_dragon.drawing.film.settings import Film
 from pymunk_dragon.model.march import March

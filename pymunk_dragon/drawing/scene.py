@@ -1,7 +1,5 @@
 """Draws the state of a dragon as a picture."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property

@@ -1,7 +1,5 @@
 """What pictures and films are drawn from: the states of runs and exact marches at any times."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 

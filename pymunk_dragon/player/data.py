@@ -8,8 +8,6 @@ split into planes of bytes, the lowest first: the high bytes of small numbers ar
 which compress well.
 """
 
-from __future__ import annotations
-
 import zlib
 from base64 import b64encode
 from dataclasses import asdict

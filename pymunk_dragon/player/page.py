@@ -1,7 +1,5 @@
 """The player page: one self-contained HTML file with its style, script and data."""
 
-from __future__ import annotations
-
 from html import escape
 from itertools import chain
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Tables of any march: XLSX files in the contest's layout, and the tables of the paper as text."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from datetime import datetime

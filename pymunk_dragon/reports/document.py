@@ -1,7 +1,5 @@
 """Text of a report, the same in Markdown and HTML: headline, subtitle, and sections with tables."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple

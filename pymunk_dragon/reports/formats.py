@@ -3,8 +3,6 @@
 `FORMATS` has an entry for each of them.
 """
 
-from __future__ import annotations
-
 import csv
 import io
 import json

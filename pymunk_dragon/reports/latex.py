@@ -1,7 +1,5 @@
 """Tables of a dragon's states for papers in LaTeX."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

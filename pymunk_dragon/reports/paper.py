@@ -1,7 +1,5 @@
 """All five answers as one HTML page, with figures and the derivation in formulas."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Summary of a run: the data that all report formats and the player page are made from."""
 
-from __future__ import annotations
-
 import json
 import math
 from contextlib import suppress

@@ -1,7 +1,5 @@
 """Frames of a page's canvas: a JSON header, Pymunk's draw calls as numbers, other arrays."""
 
-from __future__ import annotations
-
 import json
 import math
 import struct

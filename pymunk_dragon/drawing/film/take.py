@@ -3,8 +3,6 @@
 Each march of a film is searched for its first contact here, at most once.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """A page of lessons: one HTML file with stages, texts in all languages and programs."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from io import BytesIO
