@@ -24,11 +24,9 @@ from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.player import PLAYER_ENDINGS, write_player
 
-# Names of overlays by the names of their options' values.
-_OVERLAYS = {name.replace("-", "_"): name for name in OVERLAYS}
 # Options that only films have, and those that only films and pictures have.
 _OF_FILMS = ("start", "speedup", "fps", "hold")
-_OF_PICTURES = ("exact", "size", "follow", "span", "caption", "legend", *_OVERLAYS)
+_OF_PICTURES = ("exact", "size", "follow", "span", "caption", "legend", *OVERLAYS)
 _FORMATS = (
     f"a film, {', '.join(FILM_ENDINGS)}; .png, a picture at --until; or .html, a page that plays"
     " the run"
@@ -76,7 +74,10 @@ def _pixels(given: str) -> int | tuple[int, ...]:
 @click.option("--span", type=float, help="Width of the ground in view, m.")
 @click.option("--hold", type=float, help="How long the last frame stays, s.  [2.5]")
 @option_group(
-    *(click.option(f"--{name}", is_flag=True, help=each.shows) for name, each in OVERLAYS.items())
+    *(
+        click.option(f"--{name}", name, is_flag=True, help=each.shows)
+        for name, each in OVERLAYS.items()
+    )
 )
 @click.option("--title", help="A line above the picture.")
 @click.option("--caption", help="Lines below the picture.")
@@ -105,7 +106,7 @@ def _write_film(sources: list[Run | March], path: Path, choices: dict[str, Any])
     """Write a film, or a picture of its last time."""
     if path.suffix.lower() in STILL_ENDINGS:
         _refuse("a picture", *_OF_FILMS)
-    overlays = tuple(name for value, name in _OVERLAYS.items() if choices.pop(value))
+    overlays = tuple(name for name in OVERLAYS if choices.pop(name))
     camera = Camera(follow=choices.pop("follow"), span=choices.pop("span"))
     given = {name: value for name, value in choices.items() if value is not None}
 

@@ -128,14 +128,9 @@ def takes_in(
 
     # A march and its runs share one search.
     searches: dict[int, FirstContact | None] = {}
-    for march in (take.march for take in takes):
-        if id(march) in searches:
-            continue
-        interval = _searched([take for take in takes if take.march is march], film)
-        search = None
-        if interval is not None:
-            search = known or _first_contact_until(march, *interval)
-        searches[id(march)] = search
+    for key, march in {id(take.march): take.march for take in takes}.items():
+        own = [take for take in takes if take.march is march]
+        searches[key] = known or _search(march, own, film)
     return tuple(replace(take, search=searches[id(take.march)]) for take in takes)
 
 
@@ -153,16 +148,6 @@ def _default_end(march: March, start: float) -> tuple[FirstContact | None, float
     return search, min(start + _DEFAULT_DURATION, march.end)
 
 
-def _first_contact_until(march: March, start: float, until: float) -> FirstContact:
-    """Search for the first contact of the exact model from `start` to `until`, s.
-
-    A contact at `until` is included.
-    """
-    end = min(until + _CONTACT_MARGIN, march.end)
-    found = first_contact(march, start=start, until=end)
-    return replace(found, time=min(found.time, until))
-
-
 def _beside(source: Snapshots, sources: Sequence[Snapshots]) -> Run | None:
     """Run that is shown beside its exact march, with its position errors.
 
@@ -174,8 +159,11 @@ def _beside(source: Snapshots, sources: Sequence[Snapshots]) -> Run | None:
     return next((run for run in runs if run is not None and not run.is_pulled), None)
 
 
-def _searched(takes: Sequence[Take], film: Film) -> Window | None:
-    """Time interval, s, in which a film needs the search for the takes of one march."""
+def _search(march: March, takes: Sequence[Take], film: Film) -> FirstContact | None:
+    """Search for the first contact in the time for which a film needs it, if it does.
+
+    The `takes` are those of one march.
+    """
     begins = []
     ends = []
     for take in takes:
@@ -192,4 +180,8 @@ def _searched(takes: Sequence[Take], film: Film) -> Window | None:
             ends.append(until)
     if not begins:
         return None
-    return min(begins), max(ends)
+    # A contact at the end is included.
+    until = max(ends)
+    end = min(until + _CONTACT_MARGIN, march.end)
+    found = first_contact(march, start=min(begins), until=end)
+    return replace(found, time=min(found.time, until))
