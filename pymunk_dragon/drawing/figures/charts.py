@@ -123,7 +123,9 @@ def _trajectories(source: FigureSource) -> Figure:
         start = seen.plot(*path[0], "o", **look, **hollow)
         stop = seen.plot(*path[-1], "o", mfc=f"C{rank}", label=text("at the end"), **look)
     plan(seen)
-    seen.legend(handles=start + stop, loc="lower left", bbox_to_anchor=(0, 1), ncols=2)
+    seen.legend(
+        handles=start + stop, loc="lower left", bbox_to_anchor=(0, 1), ncols=2, borderpad=0.2
+    )
 
     times = np.linspace(source.begin, source.hit.time, 400)
     places = source.march.at(times).positions[:, list(handles)]
@@ -373,12 +375,10 @@ def _drift(source: FigureSource) -> Figure:
 def _forces(source: FigureSource) -> Figure:
     """Draw the force in every joint at several times, and the exact ones beside an engine's."""
     run = source.run
-    if run is None or run.joint_forces is None:
+    if run is None or run.joint_forces is None or not run.joint_forces.max() > 0:
         raise ParameterError("run", run and "one without forces in joints", "a run of `simulate`")
     times = run.times
     forces = run.joint_forces
-    if not forces.max() > 0:
-        raise ParameterError("run", "one without forces in joints", "a run of `simulate`")
 
     several = _several_times(times[0], times[-1])
     rows = np.unique(np.searchsorted(times, several))
