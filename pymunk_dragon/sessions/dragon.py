@@ -1,7 +1,5 @@
 """The dragon, played live beside its exact model."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
