@@ -70,7 +70,7 @@ def _simulated(march: March, method: str, **interval: Any) -> tuple[dict[str, An
         "status": run.outcome,
         **touch,
         "near_misses": None,
-        "until": float(run.times[-1]),
+        "until": run.interval[1],
         "resolution": None,
         "samples": run.substeps,
         "tests": None,

@@ -17,6 +17,7 @@ from pymunk_dragon._language import text
 # Libraries that write formats, by ending: a missing one is reported before the work.
 _LIBRARIES: dict[str, Sequence[str]] = {
     ".xlsx": ("xlsxwriter",),
+    ".tex": ("jinja2",),
     ".html": ("jinja2", "latex2mathml", "matplotlib"),
     **dict.fromkeys((".png", ".svg", ".pdf"), ("matplotlib",)),
 }

@@ -11,5 +11,5 @@ _SIZE = 640
 
 def picture(source: March | Run) -> bytes:
     """Content of a PNG file of a run as it ended, or of a march as it begins."""
-    time = float(source.times[-1]) if isinstance(source, Run) else 0.0
+    time = source.interval[1] if isinstance(source, Run) else 0.0
     return still_png(source, time, Film(size=_SIZE))

@@ -33,7 +33,7 @@ class Snapshots:
             if self.run is None:
                 poses = self.march.at(chunk).poses
             else:
-                chunk = np.clip(chunk, self.run.times[0], self.run.times[-1])
+                chunk = np.clip(chunk, *self.run.interval)
                 poses = self.run.poses_at(chunk)
             yield from zip(chunk.tolist(), poses, strict=True)
 

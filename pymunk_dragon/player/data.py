@@ -53,7 +53,7 @@ def player_data(summary: Summary) -> tuple[dict[str, Any], dict[str, str]]:
     run = summary.run
     dragon = run.march.dragon
     narrowest = float(dragon.widths.min())
-    begin, end = run.times[[0, -1]].tolist()
+    begin, end = run.interval
 
     positions, position_error = _pack_handles(dragon.holes(run.poses), STEP * narrowest)
     interval = 1.0

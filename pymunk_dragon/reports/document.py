@@ -98,9 +98,7 @@ def headline(summary: Summary) -> str:
         template = text("The dragon from {begin} to {end}")
     else:
         template = text("No contact from {begin} to {end}")
-    begin, end = run.times[[0, -1]].tolist()
-    begin = _number(begin, 3, " s")
-    end = _number(end, 3, " s")
+    begin, end = (_number(time, 3, " s") for time in run.interval)
     return template.format(begin=begin, end=end)
 
 

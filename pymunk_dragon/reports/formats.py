@@ -180,7 +180,7 @@ def contact_pictures(run: Run) -> list[tuple[str, str]]:
     They show the first contact, or else the end of the run.
     """
     contact = run.first_contact
-    begin, time = run.times[[0, -1]].tolist()
+    begin, time = run.interval
     span = _CLOSE_SPAN
     if contact is not None:
         time = min(max(contact.time, begin), time)

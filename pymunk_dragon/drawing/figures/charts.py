@@ -355,7 +355,7 @@ def _drift(source: FigureSource) -> Figure:
     axes.plot(times, worst, color=AMBER, ls="--", gid="first-benches", label=name)
 
     # An engine with a position error as large as the smallest gap can find the wrong first contact.
-    begin, end = run.times[[0, -1]]
+    begin, end = run.interval
     misses = source.hit.near_misses or ()
     gaps = [miss.gap for miss in misses if begin <= miss.time <= end]
     high = 10.0 ** np.ceil(np.log10(run.max_drift))
@@ -380,7 +380,7 @@ def _forces(source: FigureSource) -> Figure:
     times = run.times
     forces = run.joint_forces
 
-    several = _several_times(times[0], times[-1])
+    several = _several_times(*run.interval)
     rows = np.unique(np.searchsorted(times, several))
     title = text("The joints carry up to {:.2f} N").format(forces[rows].max())
     figure, axes = slide(title, text("force in every joint, N"))

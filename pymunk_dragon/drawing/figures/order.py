@@ -68,7 +68,7 @@ def _largest_error(exact: Run, order: int, substep: float) -> float:
     # Drawing does without Pymunk, but for this figure.
     from pymunk_dragon.physics import simulate
 
-    begin, end = exact.times[[0, -1]].tolist()
+    begin, end = exact.interval
     run = simulate(
         exact.march,
         guide="none",

@@ -54,8 +54,7 @@ class Take(Snapshots):
         """First and last time, s, of the motion in the window: an ended run does not move."""
         if self.run is None:
             return self.window
-        times = self.run.times
-        start, until = np.clip(self.window, times[0], times[-1]).tolist()
+        start, until = np.clip(self.window, *self.run.interval).tolist()
         return start, until
 
     @property
@@ -83,11 +82,11 @@ def shared_window(sources: Sequence[Snapshots]) -> Window:
 
     A run that has ended keeps its last frame.
     """
-    runs = [source.run.times for source in sources if source.run is not None]
-    if not runs:
+    intervals = [source.run.interval for source in sources if source.run is not None]
+    if not intervals:
         return -MAX_TIME, min(MAX_TIME, *(source.march.end for source in sources))
-    begin = max(float(times[0]) for times in runs)
-    return begin, max(float(times[-1]) for times in runs)
+    begins, ends = zip(*intervals, strict=True)
+    return max(begins), max(ends)
 
 
 def takes_of_film(
@@ -174,7 +173,7 @@ def _search(march: March, takes: Sequence[Take], film: Film) -> FirstContact | N
         beside = take.beside
         if beside and beside.first_contact and beside.first_contact.time <= start:
             # A contact before the window is still shown in it.
-            start = float(beside.times[0])
+            start, _ = beside.interval
         if start < until:
             begins.append(start)
             ends.append(until)

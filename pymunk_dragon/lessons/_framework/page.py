@@ -192,7 +192,7 @@ def packed_runs(runs: Sequence[Run]) -> list[dict[str, Any]]:
     """Runs of a pulled dragon by the drag: handles at even times, and the first contact."""
     found = []
     for run in sorted(runs, key=lambda run: run.provenance["ground_drag"]):
-        begin, end = run.times[[0, -1]].tolist()
+        begin, end = run.interval
         times = np.linspace(begin, end, _STAGE_FRAMES)
         front, rear = run.march.dragon.holes(run.poses_at(times))
         shape, packed = pack(np.hstack([front, rear[:, -1:]]), _STAGE_STEP)
