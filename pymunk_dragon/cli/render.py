@@ -121,10 +121,13 @@ def _write_film(sources: list[Run | March], path: Path, choices: dict[str, Any])
 
     if timing.is_cropped and timing.size is not None:
         width, height = timing.size
-        size = text(
-            "{path} has {width} x {height} pixels, as the width and height of an MP4 are even"
+        note = text(
+            "{path} has {width} x {height} pixels, as the width and height of an MP4 are even",
+            path=path,
+            width=width,
+            height=height,
         )
-        click.echo(size.format(path=path, width=width, height=height), err=True)
+        click.echo(note, err=True)
 
 
 def _write_page(sources: list[Run | March], path: Path, title: str | None) -> None:

@@ -107,7 +107,7 @@ def paper_tables(march: March, impact_time: float | None) -> str:
     if impact_time is not None:
         states = march.at([impact_time])
         values = np.column_stack([states.positions[0], states.speeds[0]])[handles]
-        title = text("Table 3: at the first contact, {time:.9f} s").format(time=impact_time)
+        title = text("Table 3: at the first contact, {time:.9f} s", time=impact_time)
         lines += _text_table(title, ["x (m)", "y (m)", text("speed (m/s)")], handles, values)
     return "\n".join(lines[:-1])
 
