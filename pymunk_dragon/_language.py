@@ -47,7 +47,7 @@ def texts(name: str) -> Mapping[str, str]:
 
     found: dict[str, str] = {}
     for file in Path(__file__).parent.glob(f"*/{name}.toml"):
-        found |= tomllib.loads(file.read_text(encoding="utf-8"))["texts"]
+        found |= tomllib.loads(file.read_text("utf-8"))["texts"]
     return found
 
 

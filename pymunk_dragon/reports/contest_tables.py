@@ -78,7 +78,7 @@ def write_contact_table(march: March, impact_time: float, path: str | Path) -> N
     """
     destination = check_destination(path, (".xlsx",))
     check_march(march)
-    time = finite("impact_time", impact_time, -math.inf, math.inf, "s")
+    time = finite("impact_time", impact_time, unit="s")
     states = march.at([time])
     values = np.column_stack([states.positions[0], states.speeds[0]])
     labels = ("横坐标x (m)", "纵坐标y (m)", "速度 (m/s)")
@@ -93,7 +93,7 @@ def paper_tables(march: March, impact_time: float | None) -> str:
     """
     check_march(march)
     if impact_time is not None:
-        impact_time = finite("impact_time", impact_time, -math.inf, math.inf, "s")
+        impact_time = finite("impact_time", impact_time, unit="s")
 
     handles = march.dragon.representatives
     states = march.at(_TABLE_TIMES)
