@@ -126,10 +126,12 @@ def subtitle(summary: Summary) -> str:
         player=played,
     )
     if times := _contact_times(summary):
+        engine = _number(times[0], 6, " s")
+        exact = _number(times[1], 9, " s")
         line += text(
             "; {engine} is the engine's time of contact, {exact} the exact one",
-            engine=_number(times[0], 6, " s"),
-            exact=_number(times[1], 9, " s"),
+            engine=engine,
+            exact=exact,
         )
     return line
 
