@@ -349,7 +349,7 @@ def colour(name: str, value: Any) -> Colour:
     """A colour of Pymunk's from a name, a text as "#rrggbb", or three or four numbers."""
     try:
         numbers: Any = ImageColor.getcolor(value, "RGBA") if isinstance(value, str) else value
-        red, green, blue, *alpha = (finite(name, each, 0, 255) for each in numbers)
+        red, green, blue, *alpha = (finite(name, each, 0, 255, "") for each in numbers)
         return Colour(red, green, blue, *alpha or [255])
     except (TypeError, ValueError):
         bound = "the name of a colour, #rrggbb, or 3 or 4 numbers from 0 to 255"

@@ -79,8 +79,8 @@ def _spiral(source: FigureSource) -> Figure:
 
     gone = float(march.distance(end))
     whole = curve.end_s - start
-    title = text("Handle 0 walks {:.1f} m of {:.1f} m of spiral", gone, whole)
-    subtitle = text("{:.4g} turns inward, {:g} m apart", turns, curve.turn_width)
+    title = text("Handle 0 walks {:.1f} m of {:.1f} m of spiral").format(gone, whole)
+    subtitle = text("{:.4g} turns inward, {:g} m apart").format(turns, curve.turn_width)
     figure, axes = slide(title, subtitle)
 
     walked = source.path(start, start + gone)
@@ -109,13 +109,9 @@ def _trajectories(source: FigureSource) -> Figure:
     first, last = source.march.handles_s([source.begin, source.hit.time])
     whole = source.path(first[-1], last[0], 900)
     title = text("All handles walk the same path, one behind the other")
-    subtitle = text(
-        "from {:g} s to {}; the path is {:.3g} m wide and {:.3g} m high",
-        source.begin,
-        source.end,
-        *np.ptp(whole, axis=0),
-    )
-    figure, (seen, over) = slide(title, subtitle, 1, 2)
+    subtitle = text("from {:g} s to {}; the path is {:.3g} m wide and {:.3g} m high")
+    extent = np.ptp(whole, axis=0)
+    figure, (seen, over) = slide(title, subtitle.format(source.begin, source.end, *extent), 1, 2)
 
     seen.plot(*whole.T, color=PALE, lw=0.8)
     for rank, handle in enumerate(handles):
@@ -151,7 +147,7 @@ def _velocities(source: FigureSource) -> Figure:
     time = source.last_regular_time
     handles = list(source.march.dragon.representatives)
     states = source.march.at(time)
-    title = text("The velocities of {} handles at {:.2f} s", len(handles), time)
+    title = text("The velocities of {} handles at {:.2f} s").format(len(handles), time)
     figure, axes = slide(title, text("each handle walks along the curve"))
     path = source.path(states.handles_s[0, -1], states.handles_s[0, 0])
     axes.plot(*path.T, color=PALE, lw=0.8)
@@ -187,14 +183,11 @@ def _grid(source: FigureSource) -> Figure:
     dragon = source.march.dragon
     cells = Grid.of(source.march)
     corners = dragon.outlines(source.march.at(hit.time).poses[0])
-    title = text(
-        "{} of {} pairs of benches that share no hole share a cell, and are tested",
-        len(cells.pairs(corners)),
-        (dragon.benches - 1) * (dragon.benches - 2) // 2,
-    )
+    title = text("{} of {} pairs of benches that share no hole share a cell, and are tested")
+    pairs = (dragon.benches - 1) * (dragon.benches - 2) // 2
     origin = "({:g}, {:g})".format(*cells.origin).replace("-", "\u2212")
-    subtitle = text("{}; cells of {:g} m, counted from {} m", source.end, cells.cell, origin)
-    figure, axes = slide(title, subtitle)
+    subtitle = text("{}; cells of {:g} m, counted from {} m").format(source.end, cells.cell, origin)
+    figure, axes = slide(title.format(len(cells.pairs(corners)), pairs), subtitle)
 
     # Cells around the benches.
     filed, benches = cells.file(corners)

@@ -31,7 +31,7 @@ def save_in_chinese_too() -> None:
     from matplotlib.font_manager import FontProperties
     from matplotlib.text import Text
 
-    labels = tomllib.loads((FOLDER / "zh.toml").read_text("utf-8"))["labels"]
+    labels = tomllib.loads((FOLDER / "zh.toml").read_text(encoding="utf-8"))["labels"]
     save = Figure.savefig
 
     def save_twice(figure: Figure, name: Any, **options: Any) -> None:
@@ -49,7 +49,7 @@ def save_in_chinese_too() -> None:
 
 if __name__ == "__main__":
     program = Path(sys.argv[1])
-    draws = "plt." in program.read_text("utf-8") and is_installed("matplotlib")
+    draws = "plt." in program.read_text(encoding="utf-8") and is_installed("matplotlib")
     if draws and chinese_font():
         save_in_chinese_too()
     runpy.run_path(str(program), run_name="__main__")
