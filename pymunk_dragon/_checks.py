@@ -89,6 +89,10 @@ def function(name: str, value: C) -> C:
     raise ParameterError(name, value, "a function")
 
 
+def silent(done: float, total: float) -> None:
+    """Report nothing; what functions call by default to report their progress."""
+
+
 def within(name: str, values: Array, low: float, high: float, unit: str) -> Array:
     """`values`, if all of them are finite numbers within [low, high]."""
     wrong = values[~((values >= low) & (values <= high))]

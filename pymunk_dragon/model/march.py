@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -27,6 +27,8 @@ from pymunk_dragon.model.speed import MAX_SPEED, MAX_TIME, MIN_SPEED, SpeedTable
 _MAX_RETREAT = 1e5
 # m from a curve's begin to the last handle of a dragon that starts there: 1000 rounding errors.
 _CLEAR_OF_BEGIN = 1e-9
+# Points per pass in the search for the last time at which a chain has a state.
+_LAST_POINTS = 33
 # Share of a time, and s: sums of steps may be later than the end of the curve by some thousand
 # rounding errors.
 _SAME_TIME = 1e-12
@@ -345,6 +347,31 @@ class March:
 def check_march(value: object) -> None:
     """Raise a ParameterError if `value` is no march."""
     instance("march", value, March, "a March")
+
+
+def states_while_reachable(
+    march: March, batches: Iterable[Array], handles: int | None = None
+) -> Iterator[States]:
+    """States at rising times, which come in batches, until the chain has none."""
+    for times in batches:
+        try:
+            yield march.at(times, handles)
+        except UnreachableError as error:
+            yield march.at(times[times < error.time], handles)
+            return
+
+
+def last_reachable(march: March, begin: float, later: float, handles: int, nearest: float) -> float:
+    """Last time of a state of the first `handles`, s, to `nearest`: there is one at `begin`."""
+    while later - begin > nearest and begin < (begin + later) / 2 < later:
+        times = np.linspace(begin, later, _LAST_POINTS)
+        # If a handle has no coordinate, the last one has none.
+        lost = np.isnan(march.motion_or_nan(times, handles).handles_s[:, -1])
+        if not lost[-1]:
+            return later
+        first = max(1, int(lost.argmax()))
+        begin, later = times[first - 1 : first + 1].tolist()
+    return begin
 
 
 def checked_times(march: March, start: float, until: float | None) -> tuple[float, float]:

@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from pymunk_dragon._checks import function
+from pymunk_dragon._checks import function, silent
 from pymunk_dragon.collision import FirstContact
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March, States
-from pymunk_dragon.studies._study import Progress, Result, checked_dragon, silent
+from pymunk_dragon.studies._study import Progress, Result, checked_dragon
 from pymunk_dragon.studies.max_speed import MaxSpeed, max_speed
 from pymunk_dragon.studies.min_pitch import MinPitch
 from pymunk_dragon.studies.sensitivity import Sensitivity, sensitivity, slopes

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from pymunk_dragon._checks import function
+from pymunk_dragon._checks import function, silent
 from pymunk_dragon._language import text
 from pymunk_dragon.collision import FirstContact, first_contact
 from pymunk_dragon.errors import ParameterError
@@ -20,7 +20,7 @@ from pymunk_dragon.model._display import table
 from pymunk_dragon.model.curves import Spiral
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
-from pymunk_dragon.studies._study import Progress, Result, checked_dragon, silent
+from pymunk_dragon.studies._study import Progress, Result, checked_dragon
 from pymunk_dragon.studies.min_pitch import RADIUS, MinPitch, min_pitch
 
 # Sizes of the benches by which both answers are differentiated.
