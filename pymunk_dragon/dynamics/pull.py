@@ -292,8 +292,7 @@ class _Recorder:
         interpolant = cache(solver.dense_output)
 
         def states(times: Array) -> Array:
-            found: Array = interpolant()(times).T
-            return found
+            return np.asarray(interpolant()(times).T)
 
         def at(times: Array) -> Bodies:
             return self._pulled.bodies(leader, times, states(times))
@@ -372,5 +371,4 @@ def _closing_rate(contact: Contact, bodies: Bodies) -> float:
         u, v, spin = bodies.rates[bench].tolist()
         velocities.append(complex(u, v) + 1j * spin * (point - complex(x, y)))
     first, second = velocities
-    rate: float = ((first - second) * normal.conjugate()).real
-    return rate
+    return float(((first - second) * normal.conjugate()).real)

@@ -66,8 +66,7 @@ class States(ArrayRecord):
             read_only(array)
 
     def __repr__(self) -> str:
-        span = f" from {self.times.min():g} s to {self.times.max():g} s" if self.times.size else ""
-        return f"States({self.handles_s.shape[1]} handles at {self.times.size} times{span})"
+        return f"States({self.handles_s.shape[1]} handles at {self.times.size} times)"
 
     def to_dict(self, handles: Sequence[int] | None = None) -> dict[str, Any]:
         """Times, numbers of the `handles` (all by default), positions and speeds as lists."""
@@ -155,7 +154,7 @@ class March:
         instance("dragon", self.dragon, Dragon, "a Dragon")
         required_curve(self.curve)
         if not isinstance(self.speed, SpeedTable):
-            object.__setattr__(self, "speed", self.speed_profile.speeds[0])
+            vars(self)["speed"] = self.speed_profile.speeds[0]
         widest = float(self.dragon.widths.max())
         turn_width = self.curve.turn_width
         if turn_width is not None and turn_width <= widest:
@@ -171,11 +170,11 @@ class March:
         if self.start_s is not None:
             if self.turns is not None:
                 raise ParameterError("turns", self.turns, "absent where start_s is given")
-            start_s = finite("start_s", self.start_s, self.curve.begin_s, self.curve.end_s, "m")
-            object.__setattr__(self, "start_s", start_s)
+            ends = self.curve.begin_s, self.curve.end_s
+            vars(self)["start_s"] = finite("start_s", self.start_s, *ends, "m")
         elif turns is not None:
             self.curve.at_turn(turns)
-            object.__setattr__(self, "turns", float(turns))
+            vars(self)["turns"] = float(turns)
 
     def _misfit(self, handle: int) -> ParameterError:
         """Error for a march in which a handle has no coordinate at t = 0."""

@@ -18,10 +18,11 @@ from pymunk_dragon.model.dragon import pose_step
 from pymunk_dragon.model.march import March, checked_times, states_while_reachable
 from pymunk_dragon.model.run import Outcome, Run, position_errors, versions
 from pymunk_dragon.model.settings import EngineSettings
+from pymunk_dragon.physics.assembly import GUIDES
 from pymunk_dragon.physics.contacts import Recorder
 from pymunk_dragon.physics.guide import PathGuide
 from pymunk_dragon.physics.substep import Motion
-from pymunk_dragon.physics.world import GUIDES, World
+from pymunk_dragon.physics.world import World
 
 # m: distance that the head travels between recorded frames. Between them poses are interpolated to
 # a micrometre.
