@@ -97,8 +97,7 @@ def velocity_ratios(front: Array, rear: Array) -> Array:
 
 def angular_rates(front: Complex, rear: Complex, spacings: Array) -> Array:
     """Angular rates omega (..., N) by the front handle's coordinate, from both angles."""
-    rates: Array = (front.imag - front.real / rear.real * rear.imag) / spacings
-    return rates
+    return (front.imag - front.real / rear.real * rear.imag) / spacings
 
 
 def rate_bounds(

@@ -80,12 +80,10 @@ class Dragon:
                     name, benches = f"number of benches by {each}", len(sizes) + more[each]
                     break
         benches = whole(name, benches, _MIN_BENCHES, _MAX_BENCHES)
-        object.__setattr__(self, "benches", benches)
         head_spacing = finite("head_spacing", self.head_spacing, *_LENGTHS, "m")
-        object.__setattr__(self, "head_spacing", head_spacing)
+        vars(self).update(benches=benches, head_spacing=head_spacing)
         for name, extra in more.items():
-            sizes = _sizes(name, getattr(self, name), benches - extra)
-            object.__setattr__(self, name, sizes)
+            vars(self)[name] = _sizes(name, getattr(self, name), benches - extra)
 
         # At an end of the chain the bench replaces its missing neighbour.
         beside = np.pad(self.overhangs, 1, mode="edge")
@@ -273,8 +271,7 @@ def _sizes(name: str, value: Any, count: int) -> _Sizes:
 
 def headings(poses: Array) -> Complex:
     """Unit vectors (...) along the benches at poses (..., 3)."""
-    vectors: Complex = np.cos(poses[..., 2]) + 1j * np.sin(poses[..., 2])
-    return vectors
+    return np.cos(poses[..., 2]) + 1j * np.sin(poses[..., 2])
 
 
 def _rectangles(centres: Complex, along: Complex, left: Complex) -> Complex:

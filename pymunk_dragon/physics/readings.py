@@ -314,8 +314,7 @@ class Contacts:
         ids = self._numbers()
         order = np.argsort(ids)
         ages = order[np.searchsorted(ids[order], flags[:, :2])]
-        signs: Array = np.where(ages[:, 0] <= ages[:, 1], 1.0, -1.0)
-        return signs
+        return np.where(ages[:, 0] <= ages[:, 1], 1.0, -1.0)
 
     def _impulses(self, pairs: Array, flags: Any) -> Array:
         """Sizes (P,) of the impulses of pairs in the last step."""
