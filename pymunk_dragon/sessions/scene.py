@@ -77,6 +77,8 @@ class Scene:
     drawn = DrawRecorder.DRAW_SHAPES | DrawRecorder.DRAW_CONSTRAINTS
     # Words of `PARTS` that the page shows at first, unless the user chooses others.
     shown: Sequence[str] = ()
+    # Whether frames have the contacts, which take long to read.
+    shows_contacts = True
 
     def __init__(self, space: pymunk.Space, settings: PlaySettings) -> None:
         self.space = space
@@ -435,7 +437,7 @@ class Scene:
             "bodies": poses,
             "calls": calls,
             "joints": rows[np.array([each in with_forces for each in drawn], bool)],
-            "contacts": self._readings.contacts(),
+            "contacts": self._readings.contacts() if self.shows_contacts else np.empty(0),
         }
         return {"colours": colours, "texts": self._drawing.texts}, arrays
 
