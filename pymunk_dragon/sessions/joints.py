@@ -11,7 +11,7 @@ import pymunk
 from pymunk.space_debug_draw_options import SpaceDebugColor
 
 from pymunk_dragon._arrays import Array
-from pymunk_dragon.drawing.debug_draw import DrawCall
+from pymunk_dragon.physics.draw_calls import DrawCall
 from pymunk_dragon.physics.readings import sleeps
 
 # Points of a spring of Chipmunk's along its length.

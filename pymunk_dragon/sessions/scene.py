@@ -15,8 +15,8 @@ import pymunk
 
 from pymunk_dragon._arrays import Array
 from pymunk_dragon._checks import number, word
-from pymunk_dragon.drawing.debug_draw import DrawRecorder, area, still
 from pymunk_dragon.errors import DragonError, ParameterError
+from pymunk_dragon.physics.draw_calls import DrawRecorder, area
 from pymunk_dragon.physics.readings import (
     QUANTITIES,
     Readings,
@@ -155,6 +155,9 @@ class Scene:
             view["centre"] = self.focus() or view["centre"]
         with suppress(Exception):
             self.draw()
+        # Pages need no picture, and begin sooner without Pillow.
+        from pymunk_dragon.drawing.debug_draw import still
+
         y_down = self.settings.y_down
         more = self._drawing.calls
         return still(self.space, view, y_down=y_down, flags=self.drawn, more=more)

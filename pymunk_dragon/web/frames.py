@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from pymunk_dragon._arrays import Array
-from pymunk_dragon.drawing.debug_draw import DrawCall
+from pymunk_dragon.physics.draw_calls import DrawCall
 
 # Numbers of the kinds of calls; contacts are sent apart.
 _KINDS = {"circle": 0, "segment": 1, "polygon": 2, "line": 3, "dot": 4}
@@ -60,8 +60,11 @@ def in_binary(header: Mapping[str, Any], arrays: Mapping[str, Array]) -> bytes:
 
 def without_nan(value: Any) -> Any:
     """JSON values with None in place of numbers that JSON does not have."""
-    if isinstance(value, Mapping):
-        return {name: without_nan(each) for name, each in value.items()}
+    # First what most values are.
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
     if isinstance(value, list | tuple):
         return [without_nan(each) for each in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+    if isinstance(value, Mapping):
+        return {name: without_nan(each) for name, each in value.items()}
+    return value
