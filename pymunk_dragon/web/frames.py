@@ -14,18 +14,18 @@ from pymunk_dragon._arrays import Array
 from pymunk_dragon.physics.draw_calls import DrawCall
 
 # Numbers of the kinds of calls; contacts are sent apart.
-_KINDS = {"circle": 0, "segment": 1, "polygon": 2, "line": 3, "dot": 4}
+KINDS = {"circle": 0, "segment": 1, "polygon": 2, "line": 3, "dot": 4}
 
 
 def packed(
-    calls: Sequence[DrawCall], grip: Callable[[Any], int]
+    calls: Sequence[DrawCall], grip: Callable[[Any], int], *known: Any
 ) -> tuple[Array, list[list[float]]]:
     """Calls as numbers, and their colours.
 
     A call is its kind, number of points, radius, angle, fill, outline and grip, and the points.
-    The grip is that of its shape, and 0 without one.
+    The grip is that of its shape, and 0 without one. `known` colours have the first numbers.
     """
-    colours: dict[Any, int] = {}
+    colours: dict[Any, int] = {each: number for number, each in enumerate(known)}
     numbers: list[float] = []
 
     for call in calls:
@@ -34,7 +34,7 @@ def packed(
         if call.outline is not None:
             outline = colours.setdefault(call.outline, len(colours))
         held = 0 if call.shape is None else grip(call.shape)
-        numbers += [_KINDS[call.name], len(call.points)]
+        numbers += [KINDS[call.name], len(call.points)]
         numbers += [call.radius, call.angle, fill, outline, held]
         for point in call.points:
             numbers.extend(point)
