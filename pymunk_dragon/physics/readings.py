@@ -203,8 +203,9 @@ def _end(joint: pymunk.Constraint, side: str) -> pymunk.Vec2d:
     """End of a joint on body "a" or "b" in the world: an anchor, or the position of the body."""
     body: pymunk.Body = getattr(joint, side)
     for kind in ("anchor", "groove"):
-        if hasattr(joint, f"{kind}_{side}"):
-            return body.local_to_world(getattr(joint, f"{kind}_{side}"))
+        point = getattr(joint, f"{kind}_{side}", None)
+        if point is not None:
+            return body.local_to_world(point)
     return body.position
 
 
