@@ -25,6 +25,7 @@ _AXIS = "NAME=VALUES, such as pitch=0.4:0.8:0.01 or benches=50,100"
 _QUANTITY = (
     f"{', '.join(sweeps.QUANTITIES)}, or module:function, a function of a march.  [contact-time]"
 )
+_REFINE = "Halve N times the distance between neighbours whose first contacts are of other benches."
 _OUTPUT = "File to write: .csv, or .png, .svg or .pdf for a picture. May be repeated."
 
 
@@ -37,6 +38,7 @@ _OUTPUT = "File to write: .csv, or .png, .svg or .pdf for a picture. May be repe
     "--axis", multiple=True, required=True, metavar="NAME=VALUES", help=f"{_AXIS}; repeatable."
 )
 @click.option("--quantity", default="contact-time", help=_QUANTITY)
+@click.option("--refine", type=int, default=0, metavar="N", help=_REFINE)
 @click.option(
     "--resume",
     is_flag=True,

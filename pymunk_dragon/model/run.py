@@ -65,8 +65,20 @@ _MAX_UNPACKED = 512_000_000
 _MAX_RATIO = 10
 
 
+class _Origin:
+    """What a run reads of its provenance."""
+
+    player: str | None
+    guide: str | None
+    free_from: int | None
+    settings: EngineSettings | None
+    start: float
+    substeps: int | None
+    versions: Mapping[str, Any]
+
+
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
-class Run(ArrayRecord):
+class Run(ArrayRecord, _Origin):
     """A dragon's run over F frames of N benches.
 
     Two runs are equal if everything but the seconds that playing took is equal, to the last bit.
@@ -129,13 +141,6 @@ class Run(ArrayRecord):
     provenance: Mapping[str, Any] = field(default_factory=dict)
     wall_seconds: float | None = field(default=None, compare=False)
     step_seconds: float | None = field(default=None, compare=False)
-    player: str | None = field(init=False, compare=False)
-    guide: str | None = field(init=False, compare=False)
-    free_from: int | None = field(init=False, compare=False)
-    settings: EngineSettings | None = field(init=False, compare=False)
-    start: float = field(init=False, compare=False)
-    substeps: int | None = field(init=False, compare=False)
-    versions: Mapping[str, Any] = field(init=False, compare=False)
 
     def __post_init__(self) -> None:
         check_march(self.march)
@@ -148,13 +153,13 @@ class Run(ArrayRecord):
         self.march.motion_or_nan(times[:1])
         if self.pose_velocities is None:
             rates = _differences(times, numbers("poses", self.poses, 3))
-            object.__setattr__(self, "pose_velocities", rates)
+            vars(self)["pose_velocities"] = rates
         for name in _KINDS:
-            if name != "joint_forces" or self.joint_forces is not None:
-                object.__setattr__(self, name, self._checked(name, times.size))
+            if getattr(self, name) is not None:
+                vars(self)[name] = self._checked(name, times.size)
 
         events = instances("events", self.events, ContactEvent, "a sequence of ContactEvents")
-        object.__setattr__(self, "events", ContactLog(events))
+        vars(self)["events"] = ContactLog(events)
         instance("first_contact", self.first_contact, Contact | NoneType, "a Contact or None")
         for name in ("wall_seconds", "step_seconds"):
             if getattr(self, name) is not None:
@@ -168,8 +173,7 @@ class Run(ArrayRecord):
             bound = f"a mapping of JSON values ({error})"
             raise ParameterError("provenance", self.provenance, bound) from error
         attributes = _attributes(provenance, self.march, float(self.times[0]))
-        for name, value in {"provenance": provenance, **attributes}.items():
-            object.__setattr__(self, name, value)
+        vars(self).update(attributes, provenance=provenance)
 
     def _checked(self, name: str, frames: int) -> Array:
         """A read-only copy of an array of a run, whose caller may change the array."""

@@ -17,9 +17,9 @@ import numpy as np
 
 from pymunk_dragon._arrays import Array
 from pymunk_dragon.collision import Grid
-from pymunk_dragon.drawing.scene import hole_diameter
 from pymunk_dragon.errors import UnreachableError
 from pymunk_dragon.model.contact import ContactWindow
+from pymunk_dragon.model.dragon import hole_diameter
 from pymunk_dragon.model.run import Run, position_errors
 from pymunk_dragon.reports.summary import Summary
 from pymunk_dragon.web.curve import CURVE_ERROR, curve_points

@@ -144,6 +144,18 @@ class Ping(Message):
         whole("id", self.id, -_MAX_WHOLE, _MAX_WHOLE)
 
 
+@dataclass(frozen=True, kw_only=True)
+class Show(Message):
+    """Have frames with the contacts, or without them: a page gets no others than it shows."""
+
+    do = "show"
+
+    contacts: bool
+
+    def __post_init__(self) -> None:
+        flag("contacts", self.contacts)
+
+
 # ---- inputs
 
 

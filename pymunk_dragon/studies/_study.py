@@ -9,7 +9,7 @@ from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pymunk_dragon._checks import instance
+from pymunk_dragon._checks import instance, silent
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.model._display import TextResult, width
 from pymunk_dragon.model.dragon import Dragon
@@ -35,10 +35,6 @@ def labelled(label: str, lines: str) -> str:
     """Lines of a text beside a label."""
     padding = " " * (_LABEL_COLUMNS - width(label))
     return label + padding + lines.replace("\n", "\n" + " " * _LABEL_COLUMNS)
-
-
-def silent(done: float, total: float) -> None:
-    """Report nothing."""
 
 
 class Result(TextResult, ABC):
