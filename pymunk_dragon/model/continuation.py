@@ -135,16 +135,7 @@ class Continuation:
         if not rows.size:
             return lows, highs
 
-        # Where no handle may reverse, the ranges end at the two states.
-        branches = self._branches[: spacings.size]
-        reversing = np.zeros(rows.size, dtype=bool)
-        for i, branch in enumerate(branches):
-            reversing |= branch.hidden(lows[rows, i], highs[rows, i]) > 0
-        rows = rows[reversing]
-
-        for i, branch in enumerate(branches):
-            if not rows.size:
-                break
+        for i, branch in enumerate(self._branches[: spacings.size]):
             # Chains whose rest is gentle move in one direction.
             gentle = self._gentle(lows[rows, i], highs[rows, i], spacings[i:])
             rest = rows[gentle]
