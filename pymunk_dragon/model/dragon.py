@@ -276,9 +276,5 @@ def headings(poses: Array) -> Complex:
 
 def _rectangles(centres: Complex, along: Complex, left: Complex) -> Complex:
     """Corners (..., 4) of rectangles from their centres and half their sides (...)."""
-    shape = np.broadcast_shapes(centres.shape, left.shape)
-    corners: Complex = np.empty((*shape, 4), dtype=complex)
     offsets = (-along - left, along - left, along + left, left - along)
-    for k, corner in enumerate(offsets):
-        np.add(centres, corner, out=corners[..., k])
-    return corners
+    return np.stack([centres + offset for offset in offsets], axis=-1)
