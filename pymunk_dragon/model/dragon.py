@@ -111,10 +111,8 @@ class Dragon:
     @cached_property
     def spacings(self) -> Array:
         """Distance between the two holes of each bench, (N,), m."""
-        spacings = np.empty(self.benches)
-        spacings[0] = self.head_spacing
-        spacings[1:] = self.body_spacing
-        return read_only(spacings)
+        body = np.full(self.benches - 1, self.body_spacing)
+        return read_only(np.append(self.head_spacing, body))
 
     @cached_property
     def overhangs(self) -> Array:
