@@ -1,7 +1,5 @@
 """Checks of arguments, each of which returns a plain Python object or raises a `ParameterError`."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Sequence
 from numbers import Integral, Real

@@ -294,7 +294,7 @@ def _nearest(path: Path, handles_s: Array, spacings: Array) -> Flags:
         some = fronts[:, rest]
         curvature = path.max_curvature(some - reach, some)
         sharp[:, rest] = ~(curvature * spacings[:, None] < 2)
-        for spacing in np.unique(spacings).tolist():
+        for spacing in sorted({*spacings.tolist()}):
             chosen = np.nonzero(sharp & (spacings[:, None] == spacing))
             nearest = rear_handle(path, fronts[chosen], spacing)
             found[chosen] = np.abs(nearest - rears[chosen]) <= _SAME_HANDLE

@@ -153,7 +153,7 @@ class Continuation:
 
     def is_one_function(self, low: float, high: float) -> bool:
         """Whether all benches behind bench 0 are one function for heads from `low` to `high`, m."""
-        if np.unique(self._spacings[1:]).size > 1:
+        if len({*self._spacings[1:].tolist()}) > 1:
             return False
         lows = np.array([min(low, self._head)])
         highs = np.array([max(high, self._head)])

@@ -30,6 +30,11 @@ _MAX_BENCHES = 10_000
 _LENGTHS = 0.001, 100.0
 # m: sides of rectangles of any kind. The products of shorter sides would be zero.
 _SIDES = 1e-150, MAX_COORDINATE
+# m: diameter of a hole in the paper. Only pictures depend on it.
+_HOLE_DIAMETER = 0.055
+# Largest diameter of a hole as a fraction of a bench's width and twice its overhang, so that the
+# holes of a small bench stay inside its outline.
+_MAX_HOLE_FRACTION = 0.4
 # Handles in the paper's tables, beside the last one.
 _TABLE_HANDLES = (0, 1, 51, 101, 151, 201)
 
@@ -240,6 +245,12 @@ def rectangles(poses: Array, lengths: Array, widths: Array) -> Array:
     along = headings(poses) * lengths / 2
     left = along * (1j * widths / lengths)
     return as_vectors(_rectangles(as_complex(poses[..., :2]), along, left))
+
+
+def hole_diameter(dragon: Dragon) -> float:
+    """Diameter of a dragon's holes in pictures, m."""
+    smallest = np.minimum(dragon.widths, 2 * dragon.overhangs).min()
+    return min(_HOLE_DIAMETER, _MAX_HOLE_FRACTION * float(smallest))
 
 
 def pose_step(before: Array, after: Array) -> Array:

@@ -205,7 +205,7 @@ class Run(ArrayRecord, _Origin):
 
     def __str__(self) -> str:
         touch = self.first_contact
-        until = float(self.times[-1])
+        _, until = self.interval
         if touch is not None:
             status = "overlapping" if touch.time <= self.start else self.outcome
             lines = [contact_text(status, touch.benches, touch.point, touch.time)]
@@ -244,7 +244,7 @@ class Run(ArrayRecord, _Origin):
             # JSON has no nan.
             "drift": {name: None if math.isnan(value) else value for name, value in drift.items()},
             "start": self.start,
-            "until": float(self.times[-1]),
+            "until": self.interval[1],
             "substep": self.substep,
             "substeps": self.substeps,
             "iterations": self.settings.iterations if self.settings else None,
@@ -258,6 +258,12 @@ class Run(ArrayRecord, _Origin):
     def is_exact_march(self) -> bool:
         """Whether the exact model played, with all benches on the path."""
         return self.player == "exact" and self.free_from is None
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """Times of the first and of the last frame, s."""
+        begin, end = self.times[[0, -1]].tolist()
+        return begin, end
 
     @property
     def is_pulled(self) -> bool:

@@ -171,7 +171,8 @@ class SpeedTable:
 
         They are those of the entries and of time 0.
         """
-        times = np.unique([*self.times, 0.0])
+        # `np.unique` would import masked arrays, here and in what every march needs.
+        times = np.array(sorted({*self.times, 0.0}))
         speeds = np.interp(times, self.times, self.speeds)
         # Between entries, which are no less than a microsecond apart; the time 0 may be next to
         # one.

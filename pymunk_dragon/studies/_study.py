@@ -85,8 +85,8 @@ class Study:
         Function of a `Dragon`, of keyword-only parameters with defaults, and of `progress`. It
         returns a `Result`.
     flags : mapping
-        Flags of the command line for the parameters that no scenario has: a placeholder of the
-        value, and a description.
+        Flags of the command line for the parameters that no scenario has, and what they
+        are.
     formats : tuple of str
         Endings of the files that the result can be written to: .xlsx if it has a `march` and
         `times`.
@@ -95,7 +95,7 @@ class Study:
     name: str
     summary: str
     run: Callable[..., Any]
-    flags: Mapping[str, tuple[str | None, str]] = field(default_factory=dict)
+    flags: Mapping[str, str] = field(default_factory=dict)
     formats: tuple[str, ...] = (".json", ".png", ".svg", ".pdf")
 
     @property

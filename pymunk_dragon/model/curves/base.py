@@ -83,8 +83,8 @@ class Curve(ABC):
     kind: ClassVar[str | None] = None
     # Turn on which a march begins by default; None on a curve whose turns are not counted.
     default_turns: ClassVar[float | None] = None
-    # Parameters that are flags of the command line: a placeholder of the value, and a description.
-    flags: ClassVar[Mapping[str, tuple[str, str]]] = {}
+    # Parameters that are flags of the command line, and what they are.
+    flags: ClassVar[Mapping[str, str]] = {}
 
     # Distance between neighbouring turns, m, which benches have to be narrower than; None without
     # such turns.

@@ -55,7 +55,7 @@ class Spiral(PackageCurve, kind="spiral"):
 
     # On the reference scenario's spiral, the point (8.8, 0) m.
     default_turns = 16.0
-    flags: ClassVar = {"pitch": ("M", "Distance between the turns of the spiral, m.")}
+    flags: ClassVar = {"pitch": "Distance between the turns of the spiral, m."}
 
     pitch: float = 0.55
     rotation: float = 0.0

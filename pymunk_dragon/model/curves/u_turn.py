@@ -69,9 +69,9 @@ class UTurn(_Shape, Composite, kind="u-turn"):
     """
 
     flags: ClassVar = {
-        "pitch": ("M", "Distance between the turns of the spiral, m."),
-        "radius": ("M", "Radius of the circle in which a u-turn is made, m."),
-        "ratio": ("X", "Radius of a u-turn's first arc over that of its second."),
+        "pitch": "Distance between the turns of the spiral, m.",
+        "radius": "Radius of the circle in which a u-turn is made, m.",
+        "ratio": "Radius of a u-turn's first arc over that of its second.",
     }
 
     pieces: tuple[Curve, ...] = field(init=False, repr=False, compare=False)
