@@ -402,7 +402,7 @@ class _Arcs(NamedTuple):
     def centres(self) -> Complex:
         """Centres (n,) as complex numbers, m."""
         normals = 1j * np.exp(1j * self.headings[:-1])
-        return self.joints[:-1] + normals / self.curvatures
+        return np.asarray(self.joints[:-1] + normals / self.curvatures)
 
     def path(self, base: UTurn) -> Composite:
         """The path with the spirals of another turn; an error if an arc vanishes or is straight."""
@@ -541,4 +541,4 @@ class _Search:
             b_ub=-values,
             bounds=[*(size * np.outer(_SCALES, [-1, 1])), (0, None)],
         )
-        return found.x[:-1]
+        return np.asarray(found.x[:-1])
