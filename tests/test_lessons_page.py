@@ -272,8 +272,11 @@ def test_guess_and_course_outlast_a_reload_and_the_address_opens_a_stage(seen):
     assert other.get_attribute("data-state") == "guess"
     assert other.locator("input").nth(2).is_checked()
     lesson.locator(".show").click()
+    lesson.locator("summary").click()
+    settle(seen.page)
     seen.page.reload()
     assert lesson.get_attribute("data-state") == "answered"
+    assert lesson.locator("details[open]").count() == 1
     assert "About 500" in lesson.locator(".mine").inner_text().replace("\u00a0", " ")
     seen.page.evaluate("location.hash = '#near-miss&time=409.85'")
     wait_until(seen.page, "document.querySelector('#near-miss canvas')")

@@ -37,8 +37,8 @@ speak(
     .find((each) => languages.includes(each)) ?? root.lang,
 );
 
-// What was guessed, and how far each course came, by the names of lessons: it outlasts a reload,
-// but not in a private frame, which has no storage.
+// What was guessed, how far each course came, and whether its program is unfolded, by the names of
+// lessons: it outlasts a reload, but not in a private frame, which has no storage.
 const MEMORY = "pymunk-dragon lessons";
 
 /** @type {() => Record<string, Course>} */
@@ -84,11 +84,13 @@ for (const lesson of /** @type {NodeListOf<HTMLElement>} */ (
   const fieldsets = [...guesses.querySelectorAll("fieldset")];
   const stage = partOf(lesson, ".stage");
   const answer = partOf(lesson, ".answer");
+  const program = partOf(lesson, ".code");
 
   const remember = () =>
     memorize(lesson.id, {
       state: lesson.dataset.state ?? "",
       chosen: choices.flatMap(({ checked }, k) => (checked ? k : [])),
+      unfolded: program.open,
     });
 
   /** @type {(state: string) => void} */
@@ -140,6 +142,7 @@ for (const lesson of /** @type {NodeListOf<HTMLElement>} */ (
     if (key === "Enter") openGuessed();
   });
   guesses.addEventListener("change", remember);
+  program.addEventListener("toggle", remember);
 
   partOf(lesson, ".show").addEventListener("click", () => {
     show();
@@ -155,7 +158,9 @@ for (const lesson of /** @type {NodeListOf<HTMLElement>} */ (
   });
 
   // What the page showed before it was loaded again, or what its address has of the stage.
-  const { state = "guess", chosen = [] } = memory[lesson.id] ?? {};
+  const { state = "guess", chosen = [], unfolded = false } = memory[lesson.id] ?? {};
+  // Otherwise the browser, which keeps the place, would keep it on a page of another length.
+  program.open = unfolded;
   for (const [k, choice] of choices.entries()) choice.checked = chosen.includes(k);
   if (state === "answered") show();
   if (state === "open") enter("open");
