@@ -168,6 +168,14 @@ def test_course_with_the_keyboard_guess_experiment_answer_and_again(seen):
     assert lesson.locator("canvas").count() == 1
 
 
+def test_key_that_opens_an_experiment_presses_no_button_of_it(seen):
+    lesson = seen.page.locator("#engine")
+    lesson.locator("input").first.press("Space")
+    lesson.locator("input").first.press("Enter")
+    settle(seen.page)
+    assert lesson.locator(".actions button").first.inner_text() == "Let the force act in the middle"
+
+
 # What a learner does on a stage, "play" or new values of sliders and dragged things, and the words
 # that then tell the outcome of the guess. Where an engine plays, see the test on a live server.
 OUTCOMES = {

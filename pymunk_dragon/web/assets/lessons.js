@@ -138,8 +138,11 @@ for (const lesson of /** @type {NodeListOf<HTMLElement>} */ (
     if (target.closest(".open")) openGuessed();
     if (target.closest(".open-unguessed")) open();
   });
-  guesses.addEventListener("keydown", (/** @type {KeyboardEvent} */ { key }) => {
-    if (key === "Enter") openGuessed();
+  guesses.addEventListener("keydown", (/** @type {KeyboardEvent} */ event) => {
+    if (event.key !== "Enter") return;
+    // The same key would press the button of the stage that has the focus then.
+    event.preventDefault();
+    openGuessed();
   });
   guesses.addEventListener("change", remember);
   program.addEventListener("toggle", remember);
