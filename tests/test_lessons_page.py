@@ -293,6 +293,19 @@ def test_guess_and_course_outlast_a_reload_and_the_address_opens_a_stage(seen):
     assert other.locator(".stage").evaluate(SIDES)[1] >= 0
 
 
+def test_stage_in_the_address_is_in_sight_after_a_reload_however_long_the_page_was(
+    browser, address
+):
+    with opened(browser, address, 390, 844, is_mobile=True) as seen:
+        seen.page.evaluate(UNFOLD.replace(".lesson", "#velocity"))
+        seen.page.click("#sat .open-unguessed")
+        seen.page.locator("#sat .slider input").press("ArrowRight")
+        wait_until(seen.page, "location.hash === '#sat&walls=2'")
+        seen.page.reload()
+        settle(seen.page)
+        assert min(seen.page.locator("#sat .stage").evaluate(SIDES)) >= 0
+
+
 def test_list_has_a_picture_of_each_stage_which_moves_while_it_has_the_focus(browser, address):
     with opened(browser, address, 1280, 2000) as seen:
         count = f"document.querySelectorAll('.card canvas').length === {len(ALL)}"

@@ -172,6 +172,8 @@ for (const lesson of /** @type {NodeListOf<HTMLElement>} */ (
     if (name !== lesson.id || !kept.length) return;
     if (lesson.dataset.state === "guess") enter("open");
     fill();
+    // Not to where it was: stages above have their heights only once they are seen.
+    history.scrollRestoration = "manual";
     partOf(lesson, ".pinned").scrollIntoView();
   };
   if (lesson.dataset.state !== "guess") whenSeen(stage, fill);
