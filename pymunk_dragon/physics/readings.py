@@ -203,8 +203,9 @@ def _end(joint: pymunk.Constraint, side: str) -> pymunk.Vec2d:
     """End of a joint on body "a" or "b" in the world: an anchor, or the position of the body."""
     body: pymunk.Body = getattr(joint, side)
     for kind in ("anchor", "groove"):
-        if hasattr(joint, f"{kind}_{side}"):
-            return body.local_to_world(getattr(joint, f"{kind}_{side}"))
+        point = getattr(joint, f"{kind}_{side}", None)
+        if point is not None:
+            return body.local_to_world(point)
     return body.position
 
 
@@ -317,8 +318,7 @@ class Contacts:
         ids = self._numbers()
         order = np.argsort(ids)
         ages = order[np.searchsorted(ids[order], flags[:, :2])]
-        signs: Array = np.where(ages[:, 0] <= ages[:, 1], 1.0, -1.0)
-        return signs
+        return np.where(ages[:, 0] <= ages[:, 1], 1.0, -1.0)
 
     def _impulses(self, pairs: Array, flags: Any) -> Array:
         """Sizes (P,) of the impulses of pairs in the last step."""

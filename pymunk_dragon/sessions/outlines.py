@@ -16,7 +16,7 @@ from pymunk._chipmunk_cffi import lib
 from pymunk.batch import BodyFields
 
 from pymunk_dragon._arrays import Array
-from pymunk_dragon.drawing.debug_draw import DrawCall, DrawRecorder
+from pymunk_dragon.physics.draw_calls import DrawCall, DrawRecorder
 from pymunk_dragon.physics.readings import grip, vectors
 from pymunk_dragon.web.frames import in_binary, packed
 
