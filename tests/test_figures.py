@@ -146,7 +146,7 @@ def test_cells_of_the_grid_are_shaded_as_shapely_finds_benches_in_them():
     assert (
         drawing.texts[0]
         .get_text()
-        .startswith(f"{len(candidates)} of 105 pairs of benches that share no hole")
+        .startswith(f"{len(candidates)} of 105 pairs of benches share a cell")
     )
     for bench, outline in enumerate(outlines):
         patch = artist(drawing, f"bench-{bench}")

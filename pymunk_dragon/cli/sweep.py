@@ -31,7 +31,7 @@ _OUTPUT = "File to write: .csv, or .png, .svg or .pdf for a picture. May be repe
 
 @command(
     "--axis pitch=0.42:0.46:0.01 --benches 60",
-    "--axis pitch=0.5:0.6:0.005 -o pitch.csv -o pitch.png",
+    "--axis pitch=0.5:0.6:0.005 --refine 3 -o pitch.csv -o pitch.png",
 )
 @scenario_options
 @click.option(

@@ -51,7 +51,7 @@ plt.plot(*points.T, "o")
 for j, name in ((back, "next"), (back - 2, "out"), (back + 2, "in")):
     plt.plot(*np.transpose([handle, points[j]]), "o-", label=name)
 plt.axis("equal")
-plt.legend()
+plt.legend(loc="upper right")
 plt.savefig("chain.png", bbox_inches="tight")
 
 # %% [markdown]

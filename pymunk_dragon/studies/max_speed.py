@@ -160,7 +160,8 @@ class MaxSpeed(Result):
         states = March(self.dragon, self.curve).at(distances, handles)
         speeds = self.speed * states.speeds
         times = distances / self.speed
-        axes.plot(times, speeds, color=style.PALE, lw=0.9)
+        others, *_ = axes.plot(times, speeds, color=style.PALE, lw=0.9)
+        others.set_label(text("other handles"))
 
         name = text("handle {}", self.handle)
         fastest = speeds[:, self.handle]

@@ -241,7 +241,8 @@ class TurnResult(Result):
         figure, axes = style.slide(title, self.contests.fastest)
         angles = np.linspace(0, 2 * np.pi, 400)
         circle = self.turn.radius * np.array([np.cos(angles), np.sin(angles)])
-        axes.plot(*circle, color=style.COLOURS.motion, ls="--")
+        name = text("circle of radius {:g} m").format(self.turn.radius)
+        axes.plot(*circle, color=style.COLOURS.motion, ls="--", label=name)
 
         for marched, colour in ((self.contests, style.BLUE), (self.shortest, style.AMBER)):
             if marched is not None:

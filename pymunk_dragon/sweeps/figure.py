@@ -6,6 +6,7 @@ the status, a whole number or a text, change, the line is broken, and lines are 
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Sequence
 from itertools import groupby, pairwise, product
 from typing import TYPE_CHECKING, Any
@@ -156,16 +157,15 @@ def _borders(x: Array, y: Array, names: Any, step: int) -> list[Array]:
     around = np.arange(4 * step + 1)
     rows = np.clip(np.minimum(around - step, 4 * step - around), 0, step)
     columns = np.clip(np.minimum(around, 3 * step - around), 0, step)
-    for i, j in product(range(0, len(y) - 1, step), range(0, len(x) - 1, step)):
+    cells = product(range(0, len(y) - 1, step), range(0, len(x) - 1, step))
+    for i, j in cells:
         named = names[i + rows, j + columns]
-        known = np.flatnonzero(named)
-        points = np.transpose([x[j + columns], y[i + rows]])[known]
-        middles: dict[frozenset[str], list[Array]] = {}
-        for (one, other), middle in zip(
-            pairwise(named[known]), (points[1:] + points[:-1]) / 2, strict=True
-        ):
-            if one != other:
-                middles.setdefault(frozenset({one, other}), []).append(middle)
+        points = np.transpose([x[j + columns], y[i + rows]])
+        middles = defaultdict(list)
+        for one, other in pairwise(np.flatnonzero(named)):
+            if named[one] != named[other]:
+                pair = frozenset(named[[one, other]])
+                middles[pair].append((points[one] + points[other]) / 2)
 
         loose = []
         for ends in middles.values():
@@ -173,7 +173,8 @@ def _borders(x: Array, y: Array, names: Any, step: int) -> list[Array]:
                 found.append(np.transpose(ends))
             else:
                 loose += ends
-        found += [np.transpose([end, np.mean(loose, axis=0)]) for end in loose]
+        for end in loose:
+            found.append(np.transpose([end, np.mean(loose, axis=0)]))
     return found
 
 

@@ -9,6 +9,7 @@ width of a band there: the halves always approach what lies between two kinds.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import product
 
 import numpy as np
 
@@ -24,26 +25,29 @@ def finer(axes: Axes, halvings: int) -> Axes:
         given = np.unique(values)
         last = len(given) - 1
         places = np.linspace(0, last, last * 2**halvings + 1)
-        found[name] = tuple(np.interp(places, np.arange(last + 1), given).tolist())
+        found[name] = tuple(np.interp(places, range(last + 1), given).tolist())
     return found if halvings else axes
 
 
 def rounds(partial: PartialTable, halvings: int) -> Iterator[list[int]]:
     """Numbers of points to evaluate, after which `partial` has their outcomes; see this module."""
     shape = [len(values) for values in partial.axes.values()]
-    coarse = np.ix_(*(np.arange(0, count, 2**halvings) for count in shape))
+    step = 2**halvings
+    coarse = np.ix_(*(range(0, count, step) for count in shape))
     numbers = np.ravel_multi_index(coarse, shape).ravel().tolist()
     # From a point to the next one along each axis. Beyond the end of an axis is no known point.
     strides = np.cumprod([1, *shape[:0:-1]]).tolist()
     kinds: dict[int, object] = {}
-    for level in range(halvings, -1, -1):
+    while step:
         partial.count += len(numbers)
         yield numbers
 
         for number in numbers:
             values, error = partial.rows[number]
             kinds[number] = kind([*(values or {}).values(), error])
-        steps = [stride * 2**level for stride in strides]
-        pairs = [(number, number + step) for step in steps for number in kinds]
-        apart = {a + b for a, b in pairs if kinds.get(b, kinds[a]) != kinds[a]}
-        numbers = sorted(double // 2 for double in apart)
+        middles = set()
+        for (number, own), stride in product(kinds.items(), strides):
+            if kinds.get(number + step * stride, own) != own:
+                middles.add(number + step // 2 * stride)
+        numbers = sorted(middles)
+        step //= 2

@@ -533,7 +533,12 @@ CALLS = {
                 "executor": (THREAD, "none"),
                 "out": ((), "empty texts path"),
             },
-            **{"resume": (False, "bool"), "workers": COUNT, "progress": (FUNCTION, "function")},
+            **{
+                "refine": (1, "int"),
+                "resume": (False, "bool"),
+                "workers": COUNT,
+                "progress": (FUNCTION, "function"),
+            },
         },
     ),
     # Sessions.

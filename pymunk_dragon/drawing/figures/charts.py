@@ -17,12 +17,14 @@ from pymunk_dragon.drawing import Film
 from pymunk_dragon.drawing.figures.order import draw
 from pymunk_dragon.drawing.figures.style import (
     AMBER,
+    BELOW,
     BESIDE,
     BLUE,
     CANDIDATE,
     COLOURS,
     FAINT,
     PALE,
+    PLAN,
     QUIET,
     RULE,
     SHARED,
@@ -48,8 +50,10 @@ _MIN_GAP = 1.5e-4
 _STILL_WIDTH = 880
 # Height of the texts of a still picture over its width.
 _TEXTS = 0.12
+# Inches: sides of a page with a plan above a chart.
+_TWO_PANELS = (5.6, 8.2)
 # Length of the largest arrow of a velocity over the width of the path.
-_ARROW = 0.16
+_ARROW = 0.2
 # Head lengths travelled: the part of a march before its contact, or its end, that `gap` shows.
 _GAP_LENGTHS = 4.5
 
@@ -81,7 +85,7 @@ def _spiral(source: FigureSource) -> Figure:
     whole = curve.end_s - start
     title = text("Handle 0 walks {:.1f} m of {:.1f} m of spiral").format(gone, whole)
     subtitle = text("{:.4g} turns inward, {:g} m apart").format(turns, curve.turn_width)
-    figure, axes = slide(title, subtitle)
+    figure, axes = slide(title, subtitle, PLAN)
 
     walked = source.path(start, start + gone)
     name = text("the march of handle 0")
@@ -92,14 +96,14 @@ def _spiral(source: FigureSource) -> Figure:
     dots = curve.point(start + march.distance(60 * minutes))
     name = text("numbers: minutes")
     axes.plot(*dots.T, "o", color=COLOURS.ink, ms=13, gid="minutes", label=name)
-    axes.plot(*walked[-1], "o", color=COLOURS.contact, ms=8, gid="last", label=source.end)
+    axes.plot(*walked[-1], "o", color=COLOURS.contact, ms=8, gid="last", label=source.end, zorder=3)
     rest = source.path(start + gone, curve.end_s)
     axes.plot(*rest.T, color=QUIET, lw=1.0, ls="--", gid="ahead", label=text("not reached"))
     centred = {"ha": "center", "va": "center", "color": COLOURS.background, "size": SMALL}
     for minute, (x, y) in zip(minutes, dots.tolist(), strict=True):
         axes.text(x, y, f"{minute:g}", **centred)
     plan(axes)
-    axes.legend(**BESIDE)
+    figure.legend(**BELOW)
     return figure
 
 
@@ -108,10 +112,11 @@ def _trajectories(source: FigureSource) -> Figure:
     handles = source.march.dragon.representatives
     first, last = source.march.handles_s([source.begin, source.hit.time])
     whole = source.path(first[-1], last[0], 900)
-    title = text("All handles walk the same path, one behind the other")
-    subtitle = text("from {:g} s to {}; the path is {:.3g} m wide and {:.3g} m high")
+    title = text("Every handle walks the same path")
+    subtitle = text("from {:g} s to {};\nthe path is {:.3g} m wide and {:.3g} m high")
     extent = np.ptp(whole, axis=0)
-    figure, (seen, over) = slide(title, subtitle.format(source.begin, source.end, *extent), 1, 2)
+    subtitle = subtitle.format(source.begin, source.end, *extent)
+    figure, (seen, over) = slide(title, subtitle, _TWO_PANELS, 2)
 
     seen.plot(*whole.T, color=PALE, lw=0.8)
     for rank, handle in enumerate(handles):
@@ -148,7 +153,7 @@ def _velocities(source: FigureSource) -> Figure:
     handles = list(source.march.dragon.representatives)
     states = source.march.at(time)
     title = text("The velocities of {} handles at {:.2f} s").format(len(handles), time)
-    figure, axes = slide(title, text("each handle walks along the curve"))
+    figure, axes = slide(title, text("each handle walks along the curve"), PLAN)
     path = source.path(states.handles_s[0, -1], states.handles_s[0, 0])
     axes.plot(*path.T, color=PALE, lw=0.8)
     for outline in source.march.dragon.outlines(states.poses[0]):
@@ -170,7 +175,8 @@ def _velocities(source: FigureSource) -> Figure:
     arrows |= {"scale_units": "xy", "scale": float(speeds.max()) / longest}
     axes.quiver(*points.T, *velocities.T, gid="velocities", **arrows)
     plan(axes)
-    axes.legend(**BESIDE)
+    # The names have the numbers beside the dots.
+    figure.legend(markerscale=0, handlelength=0, **BELOW)
     return figure
 
 
@@ -183,11 +189,14 @@ def _grid(source: FigureSource) -> Figure:
     dragon = source.march.dragon
     cells = Grid.of(source.march)
     corners = dragon.outlines(source.march.at(hit.time).poses[0])
-    title = text("{} of {} pairs of benches that share no hole share a cell, and are tested")
+    title = text("{} of {} pairs of benches share a cell")
     pairs = (dragon.benches - 1) * (dragon.benches - 2) // 2
     origin = "({:g}, {:g})".format(*cells.origin).replace("-", "\u2212")
-    subtitle = text("{}; cells of {:g} m, counted from {} m").format(source.end, cells.cell, origin)
-    figure, axes = slide(title.format(len(cells.pairs(corners)), pairs), subtitle)
+    subtitle = text(
+        "of pairs that share no hole; only these are tested\n{}; cells of {:g} m from {} m"
+    )
+    subtitle = subtitle.format(source.end, cells.cell, origin)
+    figure, axes = slide(title.format(len(cells.pairs(corners)), pairs), subtitle, PLAN)
 
     # Cells around the benches.
     filed, benches = cells.file(corners)
@@ -218,7 +227,7 @@ def _grid(source: FigureSource) -> Figure:
     axes.invert_yaxis()
     names = (text("one bench"), text("neighbours only"), text("candidates"))
     patches = [Patch(fc=colours(kind), ec=RULE, label=name) for kind, name in enumerate(names, 1)]
-    axes.legend(handles=patches, **BESIDE)
+    figure.legend(handles=patches, **BELOW | {"ncols": 3})
     return figure
 
 

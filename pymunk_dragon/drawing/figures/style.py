@@ -47,10 +47,10 @@ SHARED = "#d3dfe8"
 CANDIDATE = "#efb037"
 # Pixels per inch: a page of 8 inches has 1600 pixels, twice the 800 at which it is displayed.
 _DPI = 200
-# Inches: width of a figure that fills a slide.
-_SLIDE_WIDTH = 8.0
-# Inches: height of a figure that fills a slide.
-_SLIDE_HEIGHT = 4.5
+# Inches: sides of a figure that fills a slide.
+_SLIDE = (8.0, 4.5)
+# Inches: sides of a plan, which is as wide as its page, so that it is readable on a telephone.
+PLAN = (5.6, 6.5)
 # Inches from the left edge of a slide to its text.
 _MARGIN = 0.3
 # Inches from a slide's top to its title.
@@ -65,8 +65,10 @@ _TITLE_SIZE = 16
 SMALL = 10.5
 # Points: width of the halo of text over a line.
 _HALO = 3.0
-# Area of a slide below its title, as left, bottom, width and height in fractions of the page.
-_BELOW_TITLE = (0.02, 0.01, 0.96, 0.8)
+# Inches from a slide's top to what is below a subtitle of one line.
+_BELOW_TITLE = 0.85
+# Inches from one line of a subtitle to the next.
+_SUBTITLE_LINE = 0.2
 # Inches between panels.
 _PADDING = 0.1
 # Options of a legend beside axes.
@@ -74,6 +76,8 @@ BESIDE: dict[str, Any] = {
     "loc": "upper left",
     "bbox_to_anchor": (1, 1),
 }
+# Options of a legend below a plan.
+BELOW: dict[str, Any] = {"loc": "outside lower center", "frameon": False, "ncols": 2}
 # Fraction of a march without contact before its end that shows no speeds, which are unbounded where
 # a spiral ends.
 _IRREGULAR_FRACTION = 0.05
@@ -152,18 +156,23 @@ def chart(width: float, height: float) -> Figure:
     return _figure_type()(figsize=(width, height), dpi=_DPI, layout="constrained")
 
 
-def slide(title: str, subtitle: str, rows: int = 1, columns: int = 1) -> tuple[Figure, Any]:
-    """Create a figure that fills a slide, with a title and a subtitle in its upper left.
+def slide(
+    title: str, subtitle: str, size: tuple[float, float] = _SLIDE, rows: int = 1
+) -> tuple[Figure, Any]:
+    """Create a figure with a title and a subtitle in its upper left; its `size` is in inches.
 
     The axes below them, laid out by matplotlib, are returned too.
     """
-    figure = chart(_SLIDE_WIDTH, _SLIDE_HEIGHT)
-    left = _MARGIN / _SLIDE_WIDTH
+    width, height = size
+    figure = chart(width, height)
+    left = _MARGIN / width
     aligned: dict[str, Any] = {"x": left, "va": "top", "linespacing": _LINE_SPACING}
-    figure.text(y=1 - _TITLE_TOP / _SLIDE_HEIGHT, s=title, size=_TITLE_SIZE, **aligned)
-    figure.text(y=1 - _SUBTITLE_TOP / _SLIDE_HEIGHT, s=subtitle, color=QUIET, **aligned)
-    figure.set_layout_engine("constrained", rect=_BELOW_TITLE, w_pad=_PADDING, h_pad=_PADDING)
-    return figure, figure.subplots(rows, columns)
+    figure.text(y=1 - _TITLE_TOP / height, s=title, size=_TITLE_SIZE, **aligned)
+    figure.text(y=1 - _SUBTITLE_TOP / height, s=subtitle, color=QUIET, **aligned)
+    lines = _BELOW_TITLE + _SUBTITLE_LINE * subtitle.count("\n")
+    below = (0.02, 0.01, 0.96, 0.99 - lines / height)
+    figure.set_layout_engine("constrained", rect=below, w_pad=_PADDING, h_pad=_PADDING)
+    return figure, figure.subplots(rows)
 
 
 def halo() -> list[Any]:

@@ -1,7 +1,7 @@
 """Runs the program of a lesson, whose figure is also saved with Chinese labels, as `NAME.zh.png`.
 
-`python -m pymunk_dragon.lessons._framework.program FILE`. Without the font of the extra `chinese`
-there is no such figure.
+`python program.py FILE`: as a file, so that it imports no more of the package than the lesson does.
+Without the font of the extra `chinese` there is no such figure.
 """
 
 import re
@@ -13,7 +13,6 @@ from typing import Any
 
 from pymunk_dragon._extras import is_installed
 from pymunk_dragon._language import chinese_font
-from pymunk_dragon.lessons._framework.lesson import FOLDER
 
 # A number in a label.
 NUMBER = re.compile(r"\d+(?:\.\d+)?")
@@ -31,7 +30,8 @@ def save_in_chinese_too() -> None:
     from matplotlib.font_manager import FontProperties
     from matplotlib.text import Text
 
-    labels = tomllib.loads((FOLDER / "zh.toml").read_text(encoding="utf-8"))["labels"]
+    texts = Path(__file__).parents[1] / "zh.toml"
+    labels = tomllib.loads(texts.read_text(encoding="utf-8"))["labels"]
     save = Figure.savefig
 
     def save_twice(figure: Figure, name: Any, **options: Any) -> None:

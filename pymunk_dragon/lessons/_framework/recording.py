@@ -17,6 +17,7 @@ from pymunk_dragon.errors import DragonError, MissingExtraError, OutputError, Pa
 from pymunk_dragon.lessons._framework.lesson import Lesson
 from pymunk_dragon.model.run import Run
 
+_RUNNER = Path(__file__).with_name("program.py")
 MISSING = re.compile(r"ModuleNotFoundError: No module named '(\w+)")
 
 
@@ -40,8 +41,7 @@ class Recording:
 def run(lesson: Lesson, folder: Path) -> Iterator[str]:
     """Lines that the program of a lesson prints; it writes its picture in `folder`."""
     # Not by its folder on the path: a module of Python could have the name of a lesson.
-    runner = "pymunk_dragon.lessons._framework.program"
-    command = [sys.executable, "-P", "-u", "-m", runner, str(lesson.path)]
+    command = [sys.executable, "-P", "-u", str(_RUNNER), str(lesson.path)]
     environment = os.environ | {"MPLBACKEND": "agg", "PYTHONIOENCODING": "utf-8"}
     with subprocess.Popen(
         command,
