@@ -15,8 +15,8 @@ import pymunk
 
 from pymunk_dragon._arrays import Array
 from pymunk_dragon._checks import number, word
-from pymunk_dragon.drawing.debug_draw import DrawRecorder, area, still
 from pymunk_dragon.errors import DragonError, ParameterError
+from pymunk_dragon.physics.draw_calls import DrawRecorder, area
 from pymunk_dragon.physics.readings import (
     QUANTITIES,
     Readings,
@@ -30,7 +30,7 @@ from pymunk_dragon.physics.readings import (
 from pymunk_dragon.physics.substep import next_length
 from pymunk_dragon.sessions.controls import Button, Key, PygameEvents, Slider, slider_around
 from pymunk_dragon.sessions.draw import Draw
-from pymunk_dragon.sessions.joints import joint_calls
+from pymunk_dragon.sessions.joints import joint_numbers
 from pymunk_dragon.sessions.outlines import Outlines
 from pymunk_dragon.web.frames import in_binary, packed
 
@@ -77,6 +77,8 @@ class Scene:
     drawn = DrawRecorder.DRAW_SHAPES | DrawRecorder.DRAW_CONSTRAINTS
     # Words of `PARTS` that the page shows at first, unless the user chooses others.
     shown: Sequence[str] = ()
+    # Whether frames have the contacts, which take long to read.
+    shows_contacts = True
 
     def __init__(self, space: pymunk.Space, settings: PlaySettings) -> None:
         self.space = space
@@ -155,6 +157,9 @@ class Scene:
             view["centre"] = self.focus() or view["centre"]
         with suppress(Exception):
             self.draw()
+        # Pages need no picture, and begin sooner without Pillow.
+        from pymunk_dragon.drawing.debug_draw import still
+
         y_down = self.settings.y_down
         more = self._drawing.calls
         return still(self.space, view, y_down=y_down, flags=self.drawn, more=more)
@@ -427,15 +432,15 @@ class Scene:
 
         drawn = [*self.space.constraints]
         rows = self._readings.joints(drawn)
-        of_joints = joint_calls(self.space, rows[:, :4], self._recorder.constraint_color)
-        calls, colours = packed([*of_joints, *self._drawing.calls], grip)
+        of_joints = joint_numbers(self.space, rows[:, :4])
+        calls, colours = packed(self._drawing.calls, grip, self._recorder.constraint_color)
 
         with_forces = set(self.joints())
         arrays = {
             "bodies": poses,
-            "calls": calls,
+            "calls": np.concatenate([of_joints, calls]),
             "joints": rows[np.array([each in with_forces for each in drawn], bool)],
-            "contacts": self._readings.contacts(),
+            "contacts": self._readings.contacts() if self.shows_contacts else np.empty(0),
         }
         return {"colours": colours, "texts": self._drawing.texts}, arrays
 

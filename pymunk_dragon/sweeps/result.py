@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from pymunk_dragon._checks import word
 from pymunk_dragon._extras import library
-from pymunk_dragon._files import check_destination, written_in_place
+from pymunk_dragon._files import check_destination, write_text
 from pymunk_dragon._language import text
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.studies import Result
@@ -114,9 +114,7 @@ class Sweep(Result):
         if destination.suffix.lower() != _TABLE:
             self.write_figure(destination)
             return
-        with written_in_place(destination) as draft:
-            table = "\n".join([*self.csv(), ""])
-            draft.write_text(table, encoding="utf-8", newline="\n")
+        write_text(destination, "\n".join([*self.csv(), ""]))
 
     def csv(self) -> list[str]:
         """Lines of the table as CSV: numbers with all their digits, nothing for None."""

@@ -75,11 +75,9 @@ _PADDING = 0.1
 BESIDE: dict[str, Any] = {
     "loc": "upper left",
     "bbox_to_anchor": (1, 1),
-    "frameon": False,
-    "labelspacing": 0.8,
 }
 # Options of a legend below a plan.
-BELOW: dict[str, Any] = {"loc": "outside lower center", "frameon": False, "ncols": 2}
+BELOW: dict[str, Any] = {"loc": "outside lower center", "ncols": 2}
 # Fraction of a march without contact before its end that shows no speeds, which are unbounded where
 # a spiral ends.
 _IRREGULAR_FRACTION = 0.05
@@ -91,6 +89,11 @@ _RC_PARAMS: dict[str, Any] = {
     "axes.facecolor": "none",
     "figure.facecolor": COLOURS.background,
     "lines.solid_capstyle": "round",
+    "lines.linewidth": 2.0,
+    "grid.color": RULE,
+    "grid.linewidth": 0.6,
+    "legend.frameon": False,
+    "legend.labelspacing": 0.8,
     # A fixed salt makes the names of clip paths reproducible.
     "svg.hashsalt": "pymunk_dragon",
     **dict.fromkeys(("xtick.labelsize", "ytick.labelsize"), SMALL),
@@ -195,7 +198,7 @@ def logarithmic(axes: Axes, low: float, high: float) -> None:
 
     axes.set(yscale="log", ylim=(low, high))
     axes.yaxis.set(major_formatter=EngFormatter("m"), minor_formatter=NullFormatter())
-    axes.grid(axis="y", color=RULE, lw=0.6)
+    axes.grid(axis="y")
 
 
 @dataclass(frozen=True)
