@@ -42,7 +42,7 @@ x, y = march.at(t).positions[0, 1]
 print(f"March's handle 1                              ({x:.4f}, {y:7.4f}) m")
 
 plt.figure(figsize=(5, 5))
-plt.plot(*path.T, "silver")
+plt.plot(*path[::100].T, "silver")
 turn = np.linspace(0, 2 * np.pi, 361)
 circle_x = handle[0] + bench * np.cos(turn)
 circle_y = handle[1] + bench * np.sin(turn)

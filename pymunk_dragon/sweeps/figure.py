@@ -129,9 +129,9 @@ def _draw_map(
     triangles = Triangulation(column, row).triangles
     colours = LinearSegmentedColormap.from_list("sweep", list(_VALUES))
     look: dict[str, Any] = {"cmap": colours, "rasterized": True, "gid": "values"}
-    look["mask"] = ~np.isfinite(values)[triangles].all(axis=1)
-    shown = np.ma.masked_invalid(values)
-    mesh = axes.tripcolor(*at, shown, triangles=triangles, shading="gouraud", **look)
+    missing = ~np.isfinite(values)[triangles].all(axis=1)
+    shape = Triangulation(at[0], at[1], triangles, missing)
+    mesh = axes.tripcolor(shape, np.ma.masked_invalid(values), shading="gouraud", **look)
     axes.margins(0)
 
     for border in _borders(across, up, names, found.step):

@@ -77,7 +77,7 @@ BESIDE: dict[str, Any] = {
     "bbox_to_anchor": (1, 1),
 }
 # Options of a legend below a plan.
-BELOW: dict[str, Any] = {"loc": "outside lower center", "frameon": False, "ncols": 2}
+BELOW: dict[str, Any] = {"loc": "outside lower center", "ncols": 2}
 # Fraction of a march without contact before its end that shows no speeds, which are unbounded where
 # a spiral ends.
 _IRREGULAR_FRACTION = 0.05
