@@ -283,6 +283,26 @@ def test_page_follows_until_the_view_is_moved_and_whole_field_shows_what_there_i
 
 @pytest.mark.thorough
 @needs_browser
+def test_view_stays_while_the_body_that_it_follows_is_dragged(browser):
+    # A view that goes on following would move the place where the pointer pulls the body, for ever.
+    source = source_of(two, PlaySettings(view=(0, 0, 20, 10), follow=box))
+    with served(source) as session, opened(browser, session.address) as found:
+        page = found.page
+        wait_until(page, f"globalThis.live?.frame?.time > 0 && {CENTRED}")
+        field = page.locator("#field").bounding_box()
+        x, y = page.evaluate("live.view.toScreen(...live.frame.focus)")
+        page.mouse.move(field["x"] + x, field["y"] + y)
+        page.mouse.down()
+        page.mouse.move(field["x"] + x + 200, field["y"] + y, steps=5)
+        wait_until(page, "Math.abs(live.frame.held?.[2] - live.frame.held?.[0]) < 0.1")
+        assert page.evaluate(f"({FOCUS} - live.view.x) * live.view.scale") > 150
+        page.mouse.up()
+        wait_until(page, f"live.frame.held === null && {CENTRED}")
+        assert found.complaints == []
+
+
+@pytest.mark.thorough
+@needs_browser
 def test_published_page_follows(browser, pyodide, tmp_path):
     path = tmp_path / "box.py"
     path.write_text(PROGRAM.replace("{more}", ", title='Mine'"), "utf-8")

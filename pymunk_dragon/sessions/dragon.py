@@ -10,7 +10,7 @@ import pymunk
 
 from pymunk_dragon._arrays import Array
 from pymunk_dragon._checks import word
-from pymunk_dragon.drawing.debug_draw import DrawRecorder
+from pymunk_dragon.drawing.debug_draw import DrawCall
 from pymunk_dragon.drawing.scene import hole_diameter
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import position_errors
@@ -43,8 +43,6 @@ _OBSTACLE = -1
 class DragonScene(Scene):
     """A dragon whose head is pulled along a march; see `Scene` and `World`."""
 
-    # The joints of the dancers are not drawn.
-    drawn = DrawRecorder.DRAW_SHAPES
     shown = ("curve", "exact", "contacts")
 
     def __init__(
@@ -198,6 +196,10 @@ class DragonScene(Scene):
         found = joint_at(self.joints(), x, y, slip)
         pivots: Sequence[pymunk.Constraint] = self.world.pivots
         self.world.cut(pivots.index(found))
+
+    def drawn_joints(self) -> Iterator[DrawCall]:
+        """Nothing of the joints of the dancers."""
+        return iter(())
 
     def shapes(self) -> list[pymunk.Shape]:
         """The shapes of the benches; where two overlap, that of the lower number is on top."""

@@ -12,6 +12,7 @@ from pymunk.space_debug_draw_options import SpaceDebugColor as Colour
 from pymunk_dragon._checks import MAX_COORDINATE, finite, label, positive, whole
 from pymunk_dragon.drawing.debug_draw import DrawCall, colour
 from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.sessions.joints import COLOUR
 
 # Calls in a picture: so many take about the time of a picture, in Python and in the page.
 MAX_CALLS = 2000
@@ -22,8 +23,6 @@ _MAX_SIZE = 200
 # Barbs of an arrow: length over that of the arrow, and angle to its shaft, rad.
 _BARB_LENGTH = 0.2
 _BARB_ANGLE = 0.4
-# That of Pymunk's constraints, which differs from the ground of light and dark pages.
-_COLOUR = (142, 68, 173, 255)
 _CLEAR = Colour(0, 0, 0, 0)
 
 _Point = tuple[float, float]
@@ -63,7 +62,7 @@ class Draw:
         # Trails of points so far.
         self._tips = 0
 
-    def line(self, a: _Point, b: _Point, *more: _Point, color: _ColourLike = _COLOUR) -> None:
+    def line(self, a: _Point, b: _Point, *more: _Point, color: _ColourLike = COLOUR) -> None:
         """Draw a line through two or more points.
 
         Parameters
@@ -93,7 +92,7 @@ class Draw:
         center: _Point,
         radius: float,
         *,
-        color: _ColourLike = _COLOUR,
+        color: _ColourLike = COLOUR,
         fill: _ColourLike | None = None,
     ) -> None:
         """Draw a circle.
@@ -125,7 +124,7 @@ class Draw:
         # Pymunk's own circles have a line that shows how they turn.
         self.calls.append(DrawCall("polygon", (around,), radius, inside, colour("color", color)))
 
-    def arrow(self, begin: _Point, end: _Point, *, color: _ColourLike = _COLOUR) -> None:
+    def arrow(self, begin: _Point, end: _Point, *, color: _ColourLike = COLOUR) -> None:
         """Draw an arrow, whose head is a fifth of its length.
 
         Parameters
@@ -153,7 +152,7 @@ class Draw:
         self._line([tail, tip, barbs[0], tip, barbs[1]], color)
 
     def trail(
-        self, of: pymunk.Body | _Point, last: int = 100, *, color: _ColourLike = _COLOUR
+        self, of: pymunk.Body | _Point, last: int = 100, *, color: _ColourLike = COLOUR
     ) -> None:
         """Draw a line through the last places of a body or a point in the pictures before.
 

@@ -15,7 +15,7 @@ import pymunk
 
 from pymunk_dragon._arrays import Array
 from pymunk_dragon._checks import number, word
-from pymunk_dragon.drawing.debug_draw import DrawRecorder, area, still
+from pymunk_dragon.drawing.debug_draw import DrawCall, DrawRecorder, area, still
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.physics.readings import (
     QUANTITIES,
@@ -73,8 +73,6 @@ class PlaySettings:
 class Scene:
     """Any Pymunk space, drawn as Pymunk's debug drawing draws it."""
 
-    # What pictures and the page show of Pymunk's debug drawing; contacts are sent apart.
-    drawn = DrawRecorder.DRAW_SHAPES | DrawRecorder.DRAW_CONSTRAINTS
     # Words of `PARTS` that the page shows at first, unless the user chooses others.
     shown: Sequence[str] = ()
 
@@ -133,6 +131,11 @@ class Scene:
         view = self.settings.view or (self.pygame and self.pygame.view) or area(self.space)
         self.view: dict[str, list[float]] = {"centre": list(view[:2]), "size": list(view[2:])}
 
+    def drawn_joints(self) -> Iterator[DrawCall]:
+        """What pictures have of joints."""
+        rows = self._readings.joints([*self.space.constraints])
+        return joint_calls(self.space, rows, self.settings.units)
+
     def focus(self) -> list[float] | None:
         """The point that the view follows, if it follows one."""
         follow = self.settings.follow
@@ -156,8 +159,8 @@ class Scene:
         with suppress(Exception):
             self.draw()
         y_down = self.settings.y_down
-        more = self._drawing.calls
-        return still(self.space, view, y_down=y_down, flags=self.drawn, more=more)
+        more = [*self.drawn_joints(), *self._drawing.calls]
+        return still(self.space, view, y_down=y_down, more=more)
 
     def advance(self) -> None:
         """Make a step; an error is raised if a body has no finite position after it."""
@@ -427,7 +430,7 @@ class Scene:
 
         drawn = [*self.space.constraints]
         rows = self._readings.joints(drawn)
-        of_joints = joint_calls(self.space, rows[:, :4], self._recorder.constraint_color)
+        of_joints = joint_calls(self.space, rows, self.settings.units)
         calls, colours = packed([*of_joints, *self._drawing.calls], grip)
 
         with_forces = set(self.joints())
