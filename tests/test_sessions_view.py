@@ -11,7 +11,7 @@ import pymunk
 import pytest
 import test_publish
 from browser import needs_browser, opened, wait_until
-from conftest import refusal
+from conftest import assert_says, refusal
 from live_sessions import PATIENCE, Listener, all_calls, decoded, drawn_in, greeting, played, served
 
 from pymunk_dragon import live
@@ -80,10 +80,21 @@ def test_first_area_is_the_view_that_is_given_or_has_a_size_where_all_is_a_point
 
 
 @pytest.mark.parametrize(
-    "view", [(0, 0, 0, 1), (0, 0, 1, -1), (math.nan, 0, 1, 1), (0, 0, math.inf, 1), (0, 0), 3, "x"]
+    "view",
+    [
+        (0, 0, 0, 1),
+        (0, 0, 1, -1),
+        (math.nan, 0, 1, 1),
+        (0, 0, math.inf, 1),
+        (0, 0),
+        3,
+        (0, 0, 1, "4"),
+        "x",
+    ],
 )
 def test_view_that_shows_nothing_is_refused(view):
-    assert refusal(live, build, view=view, browser=False).name == "view"
+    refused = refusal(live, build, view=view, browser=False)
+    assert_says(refused, f"view is {view!r}", "width")
 
 
 def test_view_may_be_an_array():
