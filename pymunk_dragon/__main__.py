@@ -3,8 +3,6 @@
 It handles signals before it imports anything else.
 """
 
-from __future__ import annotations
-
 import os
 import signal
 import sys

@@ -1,7 +1,5 @@
 """Types of arrays, vectors as complex numbers, and records with arrays."""
 
-from __future__ import annotations
-
 from dataclasses import fields
 from typing import Any, TypeVar
 

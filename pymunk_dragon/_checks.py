@@ -1,7 +1,5 @@
 """Checks of arguments, each of which returns a plain Python object or raises a `ParameterError`."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Sequence
 from numbers import Integral, Real
@@ -89,6 +87,10 @@ def function(name: str, value: C) -> C:
     raise ParameterError(name, value, "a function")
 
 
+def silent(done: float, total: float) -> None:
+    """Report nothing; what functions call by default to report their progress."""
+
+
 def within(name: str, values: Array, low: float, high: float, unit: str) -> Array:
     """`values`, if all of them are finite numbers within [low, high]."""
     wrong = values[~((values >= low) & (values <= high))]
@@ -98,10 +100,10 @@ def within(name: str, values: Array, low: float, high: float, unit: str) -> Arra
     return values
 
 
-def fitting(names: str, *shapes: tuple[int, ...]) -> None:
-    """Check that arrays of these shapes can be combined, element by element."""
+def fitting(names: str, *shapes: tuple[int, ...]) -> tuple[int, ...]:
+    """The shape of arrays of these shapes that are combined, element by element."""
     try:
-        np.broadcast_shapes(*shapes)
+        return np.broadcast_shapes(*shapes)
     except ValueError as error:
         raise ParameterError(f"the shapes of {names}", shapes, "ones that go together") from error
 

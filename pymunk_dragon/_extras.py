@@ -1,7 +1,5 @@
 """Importing the libraries of the extras, which only some features need."""
 
-from __future__ import annotations
-
 from importlib import import_module
 from importlib.util import find_spec
 from typing import Any
@@ -13,7 +11,7 @@ FEATURES = {
     "aiohttp": ("a live session", "live"),
     "distributed": ("a Dask scheduler", "cluster"),
     "imageio_ffmpeg": ("an MP4", "mp4"),
-    "jinja2": ("an HTML page", "report"),
+    "jinja2": ("an HTML page or LaTeX", "report"),
     "latex2mathml": ("a formula on a page", "demos"),
     "matplotlib": ("a figure", "figures"),
     "nbformat": ("a notebook", "demos"),

@@ -1,7 +1,5 @@
 """Files: an interrupted program leaves the old one or none; text and tables of numbers are read."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import stat
@@ -71,6 +69,12 @@ def written_in_place(path: str | Path) -> Iterator[Path]:
         raise OutputError(destination, reason(error)) from error
     finally:
         shutil.rmtree(folder, ignore_errors=True)
+
+
+def write_text(path: str | Path, text: str) -> None:
+    """Write a text in UTF-8 with its own line ends, as `written_in_place` does."""
+    with written_in_place(path) as draft:
+        draft.write_bytes(text.encode("utf-8"))
 
 
 class _PassedOn(BaseException):

@@ -5,8 +5,6 @@ A text stands in the code in English, as `text("time (s)")`. A package's `zh.tom
 it. Code, the programs of lessons, errors and help are English.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar

@@ -1,7 +1,5 @@
 """The exceptions that the package raises on purpose. The message of each is one line."""
 
-from __future__ import annotations
-
 from reprlib import Repr
 
 # Values in messages. A longer one loses its middle, because a path ends with the name of the file.

@@ -35,6 +35,11 @@ def sides(march: March, *, x: float = 0.0, y: float = 0.0):
     return {"gap": x * y, "bench_a": 0, "bench_b": 8 if x * y < 0.5 else 9, "status": "contact"}
 
 
+def banded(march: March, *, x: float = 0.0, y: float = 0.0):
+    """A number whose kind is another one in a narrow band."""
+    return {"sum": x + y, "kind": int(x + y > 1.03) + int(x + y > 1.05)}
+
+
 class UnpicklableError(BaseException):
     def __init__(self, first, second):
         super().__init__(f"{first} and {second}")

@@ -165,7 +165,7 @@ def test_u_turn_has_the_contests_positions(answer):
 
 
 def test_help_tells_the_true_defaults(answer):
-    for name, (kind, _, text) in SCENARIO_OPTIONS.items():
+    for name, (kind, text) in SCENARIO_OPTIONS.items():
         assert kind(text.split("[")[1].rstrip("]")) == Scenario().values()[name]
     shown = " ".join(answer("positions", "--help").split())
     for name, curves in {

@@ -15,7 +15,7 @@ from pymunk import BB, Transform, Vec2d
 from pymunk.space_debug_draw_options import SpaceDebugColor
 
 from pymunk_dragon import PillowDrawOptions
-from pymunk_dragon.drawing.debug_draw import DrawRecorder
+from pymunk_dragon.physics.draw_calls import DrawRecorder
 
 BLACK = SpaceDebugColor(0, 0, 0, 255)
 RED = SpaceDebugColor(255, 0, 0, 255)

@@ -380,6 +380,12 @@ def test_two_runs_stand_side_by_side_from_the_same_distance_until_both_are_over(
     assert not np.array_equal(shown[3][:, -96:], shown[4][:, -96:])
 
 
+def test_picture_of_a_march_that_ends_with_its_first_contact_shows_the_contact():
+    (take,) = takes_of_film(checked_sources(March(Dragon(benches=16))), Film(), still=True)
+    assert take.contact is not None
+    assert take.window == (take.contact.time, take.contact.time)
+
+
 def test_title_and_caption_stand_outside_the_picture_in_as_many_lines_as_they_need(run):
     plain = still(run, 4.0, Film(size=200))
     titled = still(run, 4.0, Film(size=200, title="A title", caption="A caption"))

@@ -345,11 +345,14 @@ def test_course_language_and_links_work_in_a_frame_that_allows_scripts_only(brow
         assert frame.locator(".elsewhere").is_visible()
 
 
-def test_lesson_of_the_engine_shows_its_recorded_run_and_how_to_play_it_live(seen):
-    lesson = seen.page.locator("#tension")
-    lesson.locator(".cover .open-unguessed").click()
-    assert lesson.locator(".stage[data-scene] img:visible").count() == 1
-    assert "pymunk-dragon demo --live" in lesson.locator(".stage").inner_text()
+def test_lesson_of_the_engine_shows_its_film_or_how_it_begins_and_how_to_play_it_live(seen):
+    # The chart that the program of the other one draws is the answer.
+    for name, picture in (("callbacks", "img"), ("tension", "canvas")):
+        lesson = seen.page.locator(f"#{name}")
+        lesson.locator(".cover .open-unguessed").click()
+        assert lesson.locator(f".stage[data-scene] {picture}:visible").count() == 1
+        assert lesson.locator(".stage :is(img, canvas)").count() == 1
+        assert "pymunk-dragon demo --live" in lesson.locator(".stage").inner_text()
 
 
 def test_without_script_all_texts_are_there(browser, address):
@@ -414,6 +417,9 @@ def test_experiments_with_pymunk_are_live_on_a_live_server(browser):
         seen.page.click("#callbacks .open-unguessed")
         wait_until(seen.page, "playedNow?.frame?.step === 0 && !playedNow.note")
         assert not seen.page.locator("#callbacks figure").count()
+        # What rests follows the hand.
+        seen.page.press("#callbacks .knob", "ArrowLeft")
+        wait_until(seen.page, "playedNow.running && playedNow.frame.step > 0")
         seen.page.click("#callbacks .actions button >> nth=0")
         wait_until(seen.page, "playedNow.frame.step > 50")
         assert "separate" in seen.page.inner_text("#callbacks .readout")

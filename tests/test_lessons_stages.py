@@ -557,7 +557,7 @@ def test_robot_says_whether_the_arm_follows_a_path(visit, drawn):
             assert readout(page) != said
 
 
-def test_a_point_that_is_dropped_outside_the_stage_stays_in_sight(visit):
+def test_a_point_that_is_dropped_outside_the_stage_stays_in_sight_and_in_the_address(visit):
     with visit("robot") as found:
         page = found.page
         readout(page)
@@ -568,8 +568,13 @@ def test_a_point_that_is_dropped_outside_the_stage_stays_in_sight(visit):
         page.mouse.down()
         page.mouse.move(scene["x"] - 100, scene["y"] + scene["height"] / 2)
         page.mouse.up()
-        readout(page)
+        said = readout(page)
         assert knob.is_visible()
+        wait_until(page, "location.hash.startsWith('#robot&path=')")
+        place = knob.bounding_box()
+        page.reload()
+        assert readout(page) == said
+        assert knob.bounding_box() == pytest.approx(place, abs=0.01)
 
 
 def test_dragon_that_is_pulled_is_where_the_exact_run_has_it(visit):

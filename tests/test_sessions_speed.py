@@ -191,6 +191,22 @@ def test_page_gets_shapes_once_and_again_when_they_change():
         assert shapes[0] != shapes[1]
 
 
+def test_frames_have_contacts_while_a_page_shows_them():
+    with played(crowd()) as on:
+        [first] = on.session.clients
+        second = Listener(on.session, [])
+        second.controls = False
+        on.session.join(second)
+        found = {}
+        for shown in [(True, True), (False, True), (False, False), (True, False)]:
+            for page, contacts in zip((first, second), shown, strict=True):
+                page.do("show", contacts=contacts)
+            on.step(30)
+            found[shown] = len(on.frame().contacts)
+        assert found.pop((False, False)) == 0
+        assert all(found.values())
+
+
 def test_frame_of_bodies_at_rest_is_short():
     scene = scene_of(crowd(300))
     frame = scene.frame({})

@@ -219,7 +219,7 @@ def test_a_study_brings_its_options_and_its_formats(call, monkeypatch):
         name="deepest",
         summary="a study of the tests",
         run=lambda dragon, *, depth=1.0, progress: Deepest(depth * dragon.width),
-        flags={"depth": ("M", "how deep, m.  [1]")},
+        flags={"depth": "how deep, m.  [1]"},
         formats=(".json",),
     )
     monkeypatch.setitem(STUDIES, "deepest", added)

@@ -9,6 +9,7 @@ import subprocess
 import sys
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import contextmanager, suppress
+from itertools import pairwise, product
 from multiprocessing import get_context
 from pathlib import Path
 
@@ -146,6 +147,29 @@ def test_values_of_a_function_are_plain_cells_and_columns_are_those_of_all_point
         False,
         True,
     ]
+
+
+def test_refined_grid_has_the_borders_and_bands_of_a_fine_one_on_its_lines_in_few_points():
+    axes = {"y": [0.0, 0.25, 1.0], "x": [0.0, 1.0, 0.5]}
+    found = sweep(SMALL, axes, functions.banded, THREAD, refine=6)
+    fine_y, fine_x = found.axes.values()
+    assert (len(fine_y), fine_y[::64], fine_x[::64]) == (129, (0.0, 0.25, 1.0), (0.0, 0.5, 1.0))
+
+    known = {(y, x): value for y, x, *value, _ in found.rows()}
+    kinds = {}
+    for at in known | dict.fromkeys([*product(axes["y"], fine_x), *product(fine_y, axes["x"])]):
+        value = list(functions.banded(None, y=at[0], x=at[1]).values())
+        assert known.get(at, value) == value
+        kinds[at] = value[-1]
+    lines = [[(y, x) for x in fine_x] for y in axes["y"]]
+    lines += [[(y, x) for y in fine_y] for x in axes["x"]]
+    borders = [
+        pair for line in lines for pair in pairwise(line) if kinds[pair[0]] != kinds[pair[1]]
+    ]
+    assert len(borders) == 8
+    assert {at for pair in borders for at in pair} <= set(known)
+    assert found.points == len(known) < 129 * 129 / 100
+    refusal(sweep, SMALL, axes, functions.banded, THREAD, refine=-1)
 
 
 def test_failing_point_is_a_row_with_the_reason_and_harms_no_other(tmp_path):
@@ -337,23 +361,20 @@ def artists(drawing, gid):
     return list(drawing.findobj(lambda part: part.get_gid() == gid))
 
 
-def test_map_has_a_cell_for_each_point_and_lines_where_other_benches_touch():
+def test_map_has_a_colour_for_each_point_and_lines_where_other_benches_touch():
     drawing = sweep({**SMALL, "x": 0.25}, SIDES, functions.sides, THREAD).plot()
     [mesh], [reference] = artists(drawing, "values"), artists(drawing, "reference")
-    expected = [[x * y if x < 0.55 else np.nan for x in (0.1, 0.2, 0.3, 0.6)] for y in (1, 2, 3)]
+    expected = [x * y if x < 0.55 else np.nan for x in SIDES["x"] for y in SIDES["y"]]
     np.testing.assert_allclose(np.ma.filled(mesh.get_array(), np.nan), expected)
     # Benches 9 at (0.2, 3), (0.3, 2) and (0.3, 3), benches 8 at smaller products, and none at x =
     # 0.6.
     lines = [np.round(line.get_xydata(), 9).tolist() for line in artists(drawing, "jumps")]
     ends = {tuple(end) for line in lines for end in line}
-    # Half-way between all neighbouring points that differ; between (0.3, 1) and (0.6, 1.5), three
-    # kinds meet in the middle.
-    between = {(0.15, 3.0), (0.2, 2.5), (0.25, 2.0), (0.3, 1.5)} | {
-        (0.45, y) for y in (1.0, 2.0, 3.0)
-    }
-    assert between | {(0.45, 1.5)} <= ends
-    rims = {(0.15, 3.5), (0.45, 0.5), (0.45, 3.5)}
-    assert ends == between | rims | {(0.45, 1.5)}
+    # Half-way between all neighbouring points that differ; between (0.3, 1) and (0.6, 2), three
+    # kinds meet.
+    between = {(0.15, 3.0), (0.2, 2.5), (0.25, 2.0), (0.3, 1.5)}
+    between |= {(0.45, y) for y in (1.0, 2.0, 3.0)}
+    assert ends == between | {(0.4, 1.5)}
     assert [[0.25, 2.0], [0.3, 1.5]] in map(sorted, lines)
     texts = {text.get_text() for text in drawing.findobj(matplotlib.text.Text)}
     labels = {"0 and 8", "0 and 9", "clear", "gap, m", "no value", "reference: x 0.25"}

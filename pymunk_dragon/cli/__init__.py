@@ -20,8 +20,6 @@ The shell completes commands and flags after
 `~/.config/fish/completions/pymunk-dragon.fish`.
 """
 
-from __future__ import annotations
-
 import os
 import sys
 from contextlib import suppress

@@ -1,7 +1,5 @@
 """`pymunk-dragon contact`."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 
@@ -31,7 +29,7 @@ from pymunk_dragon.model.march import March
 )
 @start_option
 @until_option
-@click.option("--step", type=float, metavar="T", help="Of the grid: s between samples.  [1]")
+@click.option("--step", type=float, help="Of the grid: s between samples.  [1]")
 @output_option(".json, or .xlsx for the contest's sheet of that moment")
 def contact(method: str, output: str | None, **choices: Any) -> None:
     """When benches that are not neighbours first touch, and where.
@@ -72,7 +70,7 @@ def _simulated(march: March, method: str, **interval: Any) -> tuple[dict[str, An
         "status": run.outcome,
         **touch,
         "near_misses": None,
-        "until": float(run.times[-1]),
+        "until": run.interval[1],
         "resolution": None,
         "samples": run.substeps,
         "tests": None,

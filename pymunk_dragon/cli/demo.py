@@ -1,13 +1,11 @@
 """`pymunk-dragon demo`."""
 
-from __future__ import annotations
-
+from pathlib import Path
 from typing import Any
 
 import click
 
 from pymunk_dragon._extras import library
-from pymunk_dragon._files import check_destination
 from pymunk_dragon._language import language
 from pymunk_dragon.cli.options import address_options, command, flags_given, output_option
 from pymunk_dragon.cli.output import (
@@ -18,15 +16,13 @@ from pymunk_dragon.cli.output import (
     wants_json,
 )
 from pymunk_dragon.lessons import LESSONS, Lesson, play, write_lessons
-from pymunk_dragon.lessons._framework.page import endings, run_page
+from pymunk_dragon.lessons._framework.page import run_page
 from pymunk_dragon.lessons._framework.recording import record
 
 
 @command("", "spiral", "chain --lang zh", "-o lessons.html", "--live")
 @click.argument("name", metavar="[LESSON]", required=False, type=click.Choice(list(LESSONS)))
-@click.option(
-    "--save", metavar="DIR", type=click.Path(), help="Folder for the picture.  [a temporary one]"
-)
+@click.option("--save", type=click.Path(), help="Folder for the picture.  [a temporary one]")
 @click.option(
     "--live",
     is_flag=True,
@@ -47,10 +43,9 @@ def demo(
     if live:
         _serve(lessons, address)
     elif output is not None:
-        destination = check_destination(output, endings(lessons))
         with progress("demo") as show:
-            write_lessons(lessons, destination, language=language(), progress=show)
-        print_file_result(destination)
+            write_lessons(lessons, output, language=language(), progress=show)
+        print_file_result(Path(output))
     elif name is None:
         titles = {each.name: each.sections(language())["Title"] for each in lessons}
         print_list("lessons", titles)

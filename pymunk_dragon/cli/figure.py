@@ -1,7 +1,5 @@
 """`pymunk-dragon figure`."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """`pymunk-dragon live`."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from time import sleep
@@ -30,16 +28,14 @@ from pymunk_dragon.sessions.session import Session
 @click.argument("scene", metavar="[SCENE]", required=False, type=click.Choice(list(SCENES)))
 @scenario_options
 @start_option
-@click.option("--replay", metavar="FILE", type=click.Path(), help="Play a recording again, .json.")
+@click.option("--replay", type=click.Path(), help="Play a recording again, .json.")
 @click.option(
     "--exit",
     "ends",
     is_flag=True,
     help="Play the recording without a page, as fast as possible, and exit.",
 )
-@click.option(
-    "-o", "--record", "output", metavar="FILE", type=click.Path(), help="File .json for the inputs."
-)
+@click.option("-o", "--record", "output", type=click.Path(), help="File .json for the inputs.")
 @address_options
 def live(
     scene: str | None,

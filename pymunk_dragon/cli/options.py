@@ -24,7 +24,7 @@ PROGRAM = "pymunk-dragon"
 _MAX_LIST = 100_000
 
 
-def _speed_or_file(value: str) -> float | str:
+def number_or_file(value: str) -> float | str:
     """A number, or the name of a file, which the scenario reads."""
     try:
         return float(value)
@@ -32,18 +32,17 @@ def _speed_or_file(value: str) -> float | str:
         return value
 
 
-# Type, placeholder and help of each option of a scenario but those of curves; its flag is the name
+# Type and help of each option of a scenario but those of curves; its flag is the name
 # with hyphens.
-SCENARIO_OPTIONS: dict[str, tuple[Any, str, str]] = {
-    "benches": (int, "N", "Number of benches.  [223]"),
-    "head_spacing": (float, "M", "Distance between the head's holes, m.  [2.86]"),
-    "body_spacing": (float, "M", "Distance between any other bench's holes, m.  [1.65]"),
-    "overhang": (float, "M", "From a hole to the end of the bench, m.  [0.275]"),
-    "width": (float, "M", "Width of the benches, m.  [0.3]"),
-    "turns": (float, "X", "Turn of the spiral on which the head starts.  [16]"),
+SCENARIO_OPTIONS: dict[str, tuple[Any, str]] = {
+    "benches": (int, "Number of benches.  [223]"),
+    "head_spacing": (float, "Distance between the head's holes, m.  [2.86]"),
+    "body_spacing": (float, "Distance between any other bench's holes, m.  [1.65]"),
+    "overhang": (float, "From a hole to the end of the bench, m.  [0.275]"),
+    "width": (float, "Width of the benches, m.  [0.3]"),
+    "turns": (float, "Turn of the spiral on which the head starts.  [16]"),
     "speed": (
-        _speed_or_file,
-        "M/S|FILE.csv",
+        number_or_file,
         "Speed of the head, m/s, or a file with times and speeds t,v.  [1]",
     ),
 }
@@ -138,18 +137,16 @@ def option_group(*declared: Callable[[F], F]) -> Callable[[F], F]:
 
 # Options of commands that serve a page.
 address_options = option_group(
-    click.option("--port", type=int, default=0, metavar="N", help="Port.  [a free one]"),
+    click.option("--port", default=0, help="Port.  [a free one]"),
     click.option(
         "--host",
         default="127.0.0.1",
-        metavar="ADDRESS",
         help="Address to listen on.  [this machine only]",
     ),
     click.option(
         "--allow-host",
         "allow_hosts",
         multiple=True,
-        metavar="NAME",
         help="Name of a proxy; repeatable.",
     ),
     click.option(
@@ -160,18 +157,13 @@ address_options = option_group(
 
 _LANGUAGE = click.Option(
     ["--lang"],
-    metavar="LANG",
     default="en",
     envvar="PYMUNK_DRAGON_LANG",
     help="Language of results: en or zh.  [PYMUNK_DRAGON_LANG of the environment, or en]",
 )
 json_option = click.option("--json", is_flag=True, help="Print one JSON object and nothing else.")
-start_option = click.option(
-    "--from", "start", type=float, default=0.0, metavar="T", help="First time, s.  [0]"
-)
-until_option = click.option(
-    "--until", type=float, metavar="T", help="Last time, s.  [the end of the curve]"
-)
+start_option = click.option("--from", "start", default=0.0, help="First time, s.  [0]")
+until_option = click.option("--until", type=float, help="Last time, s.  [the end of the curve]")
 
 
 def output_option(endings: str, default: str | None = None) -> Callable[[F], F]:
@@ -179,7 +171,7 @@ def output_option(endings: str, default: str | None = None) -> Callable[[F], F]:
     about = f"File to write: {endings}."
     if default is not None:
         about += f"  [{default}]"
-    output = click.option("-o", "--output", metavar="FILE", type=click.Path(), help=about)
+    output = click.option("-o", "--output", type=click.Path(), help=about)
     return option_group(json_option, output)
 
 
@@ -196,31 +188,31 @@ def scenario_options(function: F) -> F:
     hidden: dict[str, Any] = {"callback": collect, "expose_value": False}
     options = SCENARIO_OPTIONS | _curve_options()
     # Click lists first the option that is added last.
-    for name, (kind, metavar, about) in reversed(options.items()):
+    for name, (kind, about) in reversed(options.items()):
         flag = "--" + name.replace("_", "-")
-        click.option(flag, type=kind, metavar=metavar, help=about, **hidden)(function)
-    about = "Read the dragon, curve and speed from a file; options win."
-    return click.option("--scenario", metavar="FILE.toml", type=click.Path(), help=about)(function)
+        click.option(flag, type=kind, help=about, **hidden)(function)
+    about = "Read the dragon, curve and speed from a .toml file; options win."
+    return click.option("--scenario", type=click.Path(), help=about)(function)
 
 
-def _curve_options() -> dict[str, tuple[Any, str, str]]:
+def _curve_options() -> dict[str, tuple[Any, str]]:
     """The options --curve and those of the registered curves."""
     from pymunk_dragon.model.curves import Curve
     from pymunk_dragon.model.scenario import named_curves
 
     default, *others = named_curves()
     about = f"{', '.join([default, *others])}, or a file with points x,y of a path, m.  [{default}]"
-    options: dict[str, tuple[Any, str, str]] = {"curve": (str, "NAME|FILE.csv", about)}
+    options: dict[str, tuple[Any, str]] = {"curve": (str, about)}
     for name in dict.fromkeys((default, *Curve.kinds)):
         kind = Curve.kinds[name]
-        for flag, (metavar, about) in kind.flags.items():
+        for flag, about in kind.flags.items():
             # Curves that share an option share its help, behind which stand the defaults of each.
             if flag in options:
-                about = options[flag][2]
+                about = options[flag][1]
             value = getattr(kind, flag, None)
             if value:
                 about += f"  [{value:g} of a {name}]"
-            options[flag] = (float, metavar, about)
+            options[flag] = (float, about)
     return options
 
 

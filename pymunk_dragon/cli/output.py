@@ -1,7 +1,5 @@
 """Output of commands: progress, results as text or JSON, files, and what was written."""
 
-from __future__ import annotations
-
 import json
 import sys
 import time
@@ -13,12 +11,13 @@ from typing import Any
 import click
 
 from pymunk_dragon._extras import library
-from pymunk_dragon._files import check_destination, written_in_place
+from pymunk_dragon._files import check_destination, write_text
 from pymunk_dragon._language import text
 
 # Libraries that write formats, by ending: a missing one is reported before the work.
 _LIBRARIES: dict[str, Sequence[str]] = {
     ".xlsx": ("xlsxwriter",),
+    ".tex": ("jinja2",),
     ".html": ("jinja2", "latex2mathml", "matplotlib"),
     **dict.fromkeys((".png", ".svg", ".pdf"), ("matplotlib",)),
 }
@@ -79,8 +78,7 @@ def write_result(
     if path is None:
         return
     if write is None or path.suffix.lower() == ".json":
-        with written_in_place(path) as draft:
-            draft.write_text(json.dumps(result) + "\n", encoding="utf-8")
+        write_text(path, json.dumps(result) + "\n")
     else:
         write(path)
     print_written(path)

@@ -1,7 +1,5 @@
 """`pymunk-dragon positions`."""
 
-from __future__ import annotations
-
 import csv
 from collections.abc import Sequence
 from math import isfinite
@@ -37,11 +35,10 @@ _MAX_TABLE = 20_000_000
 @scenario_options
 @click.option(
     "--times",
-    metavar="LIST",
     default=_TABLE_TIMES,
     help=f"Times, s: 0,60,120 or 0:300:1.  [{_TABLE_TIMES}]",
 )
-@click.option("--handles", metavar="LIST", help="Handles.  [those of the paper's tables]")
+@click.option("--handles", help="Handles.  [those of the paper's tables]")
 @click.option(
     "--paper",
     is_flag=True,

@@ -1,7 +1,5 @@
 """`pymunk-dragon publish`."""
 
-from __future__ import annotations
-
 import shlex
 from pathlib import Path
 
@@ -16,18 +14,15 @@ from pymunk_dragon.cli.output import progress
 @click.argument("places", metavar="[PROGRAM.py] FOLDER", nargs=-1)
 @click.option(
     "--include",
-    metavar="FILE",
     multiple=True,
     help="A file that the program reads or imports; also several times.",
 )
 @click.option(
     "--offline",
-    metavar="RUNTIME",
     help="Folder with a copy of Pyodide, which is put into FOLDER: the page needs no other server.",
 )
 @click.option(
     "--address",
-    metavar="URL",
     help="Where FOLDER will be, as https://example.org/dragon/: links to it show a picture.",
 )
 def publish(

@@ -1,7 +1,5 @@
 """`pymunk-dragon render`."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 
@@ -26,11 +24,9 @@ from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.player import PLAYER_ENDINGS, write_player
 
-# Names of overlays by the names of their options' values.
-_OVERLAYS = {name.replace("-", "_"): name for name in OVERLAYS}
 # Options that only films have, and those that only films and pictures have.
 _OF_FILMS = ("start", "speedup", "fps", "hold")
-_OF_PICTURES = ("exact", "size", "follow", "span", "caption", "legend", *_OVERLAYS)
+_OF_PICTURES = ("exact", "size", "follow", "span", "caption", "legend", *OVERLAYS)
 _FORMATS = (
     f"a film, {', '.join(FILM_ENDINGS)}; .png, a picture at --until; or .html, a page that plays"
     " the run"
@@ -51,28 +47,21 @@ def _pixels(given: str) -> int | tuple[int, ...]:
 @click.argument("run_files", metavar="[RUN.npz]...", nargs=-1, type=click.Path())
 @scenario_options
 @click.option("--exact", is_flag=True, help="Show the exact model beside the run.")
-@click.option(
-    "--from", "start", type=float, metavar="T", help="First time, s.  [such that a film takes 11 s]"
-)
+@click.option("--from", "start", type=float, help="First time, s.  [such that a film takes 11 s]")
 @click.option(
     "--until",
     type=float,
-    metavar="T",
     help="Last time, s.  [the run's, or a march's first contact]",
 )
 @click.option(
     "--speedup",
     type=float,
-    metavar="X",
     help="Simulated s in 1 s of film.  [slower towards contacts]",
 )
-@click.option(
-    "--fps", type=int, metavar="N", help="Frames in a second, at most 60, and 50 in a GIF.  [20]"
-)
+@click.option("--fps", type=int, help="Frames in a second, at most 60, and 50 in a GIF.  [20]")
 @click.option(
     "--size",
     type=_pixels,
-    metavar="PIXELS",
     help="Width and height: 440, or 640x360; even in .mp4.  [440]",
 )
 @click.option(
@@ -82,13 +71,16 @@ def _pixels(given: str) -> int | tuple[int, ...]:
     default="field",
     help="The view.  [field]",
 )
-@click.option("--span", type=float, metavar="M", help="Width of the ground in view, m.")
-@click.option("--hold", type=float, metavar="T", help="How long the last frame stays, s.  [2.5]")
+@click.option("--span", type=float, help="Width of the ground in view, m.")
+@click.option("--hold", type=float, help="How long the last frame stays, s.  [2.5]")
 @option_group(
-    *(click.option(f"--{name}", is_flag=True, help=each.shows) for name, each in OVERLAYS.items())
+    *(
+        click.option(f"--{name}", name, is_flag=True, help=each.shows)
+        for name, each in OVERLAYS.items()
+    )
 )
-@click.option("--title", metavar="TEXT", help="A line above the picture.")
-@click.option("--caption", metavar="TEXT", help="Lines below the picture.")
+@click.option("--title", help="A line above the picture.")
+@click.option("--caption", help="Lines below the picture.")
 @click.option(
     "--legend/--no-legend", default=None, help="Legend and scale bar below the picture.  [shown]"
 )
@@ -114,7 +106,7 @@ def _write_film(sources: list[Run | March], path: Path, choices: dict[str, Any])
     """Write a film, or a picture of its last time."""
     if path.suffix.lower() in STILL_ENDINGS:
         _refuse("a picture", *_OF_FILMS)
-    overlays = tuple(name for value, name in _OVERLAYS.items() if choices.pop(value))
+    overlays = tuple(name for name in OVERLAYS if choices.pop(name))
     camera = Camera(follow=choices.pop("follow"), span=choices.pop("span"))
     given = {name: value for name, value in choices.items() if value is not None}
 

@@ -1,13 +1,10 @@
 """`pymunk-dragon report`."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import click
 
 from pymunk_dragon import reports
-from pymunk_dragon._files import check_destination
 from pymunk_dragon.cli.options import command, output_option
 from pymunk_dragon.cli.output import print_file_result
 from pymunk_dragon.model.run import Run
@@ -18,6 +15,6 @@ from pymunk_dragon.model.run import Run
 @output_option(", ".join(reports.FORMATS), "RUN.html")
 def report(run_file: str, output: str | None) -> None:
     """Report on a run, as a document or a table."""
-    destination = check_destination(output or f"{Path(run_file).stem}.html", reports.FORMATS)
-    reports.report(Run.load(run_file), destination)
-    print_file_result(destination)
+    path = Path(output or f"{Path(run_file).stem}.html")
+    reports.report(Run.load(run_file), path)
+    print_file_result(path)

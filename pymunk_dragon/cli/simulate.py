@@ -1,7 +1,5 @@
 """`pymunk-dragon simulate`."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import click
@@ -24,7 +22,7 @@ from pymunk_dragon.model.settings import EngineSettings
 _OF_ENGINE = ("contacts", "head_force", "substep", "iterations", "frame_interval")
 _CONTACTS = ("stop", "report", "resolve")
 _RESPONSE = "At a contact end the run, only record it, or push the benches apart.  [stop]"
-_GUIDE = f"The guide, which keeps the benches on the path: {', '.join(physics.GUIDES)}.  [rails]"
+_GUIDE = "The guide, which keeps the benches on the path.  [rails]"
 
 
 @command(
@@ -33,33 +31,27 @@ _GUIDE = f"The guide, which keeps the benches on the path: {', '.join(physics.GU
 @scenario_options
 @start_option
 @until_option
-@click.option(
-    "--guide", type=click.Choice(list(physics.GUIDES)), default="rails", metavar="NAME", help=_GUIDE
-)
+@click.option("--guide", type=click.Choice(list(physics.GUIDES)), default="rails", help=_GUIDE)
 @click.option("--exact", is_flag=True, help="Solve the motion exactly, with --guide none.")
 @click.option("--contacts", type=click.Choice(_CONTACTS), default="stop", help=_RESPONSE)
 @click.option(
     "--head-force",
     type=float,
-    metavar="F",
     help="Largest force at contacts, N.  [twice the ground drag]",
 )
 @click.option(
     "--substep",
     type=float,
-    metavar="T",
     help="Substep, s.  [20 mm of the head; 25 mm without a guide; 5 mm to resolve]",
 )
 @click.option(
     "--iterations",
     type=int,
-    metavar="N",
     help="Solver iterations.  [10; 20 without a guide; 60 if contacts are resolved]",
 )
 @click.option(
     "--frame-interval",
     type=float,
-    metavar="T",
     help="Time between frames, s.  [until the head goes 0.1 m]",
 )
 @output_option(".npz, which keeps the run")

@@ -1,7 +1,5 @@
 """`pymunk-dragon study`."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from inspect import signature
 from pathlib import Path
@@ -32,12 +30,12 @@ from pymunk_dragon.studies import STUDIES
 def _options() -> Iterator[Callable[[F], F]]:
     """The options of single studies."""
     for study in STUDIES.values():
-        for name, (metavar, words) in study.flags.items():
+        for name, words in study.flags.items():
             kind = type(signature(study.run).parameters[name].default)
             flag = name.replace("_", "-")
             flags = f"--{flag}/--no-{flag}" if kind is bool else f"--{flag}"
             about = f"Options of {study.name}: {words[:1].upper()}{words[1:]}"
-            yield click.option(flags, name, type=kind, metavar=metavar, default=None, help=about)
+            yield click.option(flags, name, type=kind, default=None, help=about)
 
 
 @command("", "min-pitch", "u-turn -o turn.png", "max-speed --limit 1.5", "paper -o answers.html")

@@ -1,7 +1,5 @@
 """`pymunk-dragon sweep`."""
 
-from __future__ import annotations
-
 import logging
 import os
 import sys
@@ -27,6 +25,7 @@ _AXIS = "NAME=VALUES, such as pitch=0.4:0.8:0.01 or benches=50,100"
 _QUANTITY = (
     f"{', '.join(sweeps.QUANTITIES)}, or module:function, a function of a march.  [contact-time]"
 )
+_REFINE = "Halve N times the distance between neighbours whose first contacts are of other benches."
 _OUTPUT = "File to write: .csv, or .png, .svg or .pdf for a picture. May be repeated."
 
 
@@ -38,16 +37,17 @@ _OUTPUT = "File to write: .csv, or .png, .svg or .pdf for a picture. May be repe
 @click.option(
     "--axis", multiple=True, required=True, metavar="NAME=VALUES", help=f"{_AXIS}; repeatable."
 )
-@click.option("--quantity", metavar="NAME", default="contact-time", help=_QUANTITY)
+@click.option("--quantity", default="contact-time", help=_QUANTITY)
+@click.option("--refine", type=int, default=0, metavar="N", help=_REFINE)
 @click.option(
     "--resume",
     is_flag=True,
     help="Go on from the partial table of an interrupted sweep, if there is one.",
 )
-@click.option("--scheduler", metavar="ADDRESS", help="Run on a Dask scheduler, tcp://HOST:PORT.")
-@click.option("--workers", type=int, metavar="N", help="Number of processes.  [one for each core]")
+@click.option("--scheduler", help="Run on a Dask scheduler, tcp://HOST:PORT.")
+@click.option("--workers", type=int, help="Number of processes.  [one for each core]")
 @json_option
-@click.option("-o", "--output", multiple=True, metavar="FILE", type=click.Path(), help=_OUTPUT)
+@click.option("-o", "--output", multiple=True, type=click.Path(), help=_OUTPUT)
 def sweep(axis: tuple[str, ...], output: tuple[str, ...], **settings: Any) -> None:
     """Compute a quantity at many values of parameters, in parallel.
 

@@ -341,7 +341,7 @@ class MotionBounds:
         """
         travel = np.maximum(self.travel[:, :-1], self.travel[:, 1:])
         both = travel[rows, pairs[:, 0]] + travel[rows, pairs[:, 1]]
-        return np.asarray(gaps - self._leverage * both - self.rounding[rows])
+        return gaps - self._leverage * both - self.rounding[rows]
 
     def _squareness(self, rows: Indices, benches: Indices, directions: Complex) -> Array:
         """Squared cosine (P,) of the angle from `directions` (P,) to the nearest edge normal."""

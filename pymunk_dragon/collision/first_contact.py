@@ -29,11 +29,11 @@ from typing import Any
 import numpy as np
 
 from pymunk_dragon._arrays import Array, Flags, Indices, as_complex, as_vectors
-from pymunk_dragon._checks import function
+from pymunk_dragon._checks import function, silent
 from pymunk_dragon.collision.bounds import UNPROVEN_ROUNDING, Intervals, MotionBounds, near_pairs
 from pymunk_dragon.collision.result import FirstContact, NearMiss, Status
 from pymunk_dragon.collision.sat import deepest_overlap, separation
-from pymunk_dragon.model.march import March, checked_times
+from pymunk_dragon.model.march import March, checked_times, last_reachable
 
 # The tolerances. m of the head's distance: an interval no longer than this is decided by the state
 # at its midpoint, because coordinates are no more exact.
@@ -71,8 +71,6 @@ _PAIRS = 200
 # Fewest and most parts of an interval.
 _FEWEST_PARTS = 3
 _MOST_PARTS = 256
-# Points per pass in the search for the last time at which the chain has a state.
-_LAST_POINTS = 33
 
 # A local minimum of a gap below this share of the narrowest bench's width is a near miss: 1 cm at
 # the paper's 0.3 m.
@@ -100,7 +98,7 @@ def first_contact(
     *,
     start: float = 0.0,
     until: float | None = None,
-    progress: Callable[[float, float], None] | None = None,
+    progress: Callable[[float, float], None] = silent,
 ) -> FirstContact:
     """First contact of benches that are not neighbours, certified: there is no earlier one.
 
@@ -137,8 +135,7 @@ def first_contact(
     ('contact', (0, 8))
     """
     start, until = checked_times(march, start, until)
-    if progress is not None:
-        function("progress", progress)
+    function("progress", progress)
     march.handles_s(start)  # An error names the time of this march.
     unit = march.at_unit_speed()
     begin, end = march.distance([start, until]).tolist()
@@ -149,8 +146,7 @@ def first_contact(
         end = min(end, unit.end)
 
     def report(cleared: float) -> None:
-        if progress is not None:
-            progress(float(march.time(cleared)), until)
+        progress(float(march.time(cleared)), until)
 
     found = _Search(unit, begin, end).run(report)
     # `start` and `until` are returned as they were passed.
@@ -207,7 +203,7 @@ class _Search:
                 # The chain loses its state in the interval after `last`, which is cleared up to the
                 # last state.
                 ends = last, float(times[times > last][0])
-                end = march.continuation.keep(ends, 1, partial(_last_reachable, march, *ends))
+                end = march.continuation.keep(ends, 1, partial(_end_of_motion, march, *ends))
                 if end > last:
                     last = self._clear(np.array([last, end]))
             if self._hit < np.inf:
@@ -303,8 +299,9 @@ class _Search:
             self._note_contact(middles, pairs, found.distance, samples)
 
             if length > self._near_miss_interval:
-                # A long interval: gaps that stay wider than a near miss are open.
-                open_ = self._wide(bounds, rows, pairs, found.normal)
+                # A long interval: gaps that stay wider than a near miss are open. The bound for two
+                # benches that move independently is the faster one.
+                open_ = bounds.smallest_gaps(rows, pairs, found.normal) > self._near
             else:
                 # A short interval: the bound by relative motion needs the proof for rounding, the
                 # bound by travel not.
@@ -358,18 +355,6 @@ class _Search:
         left = bounds.may_meet(rows, pairs, self._near)
         return intervals, bounds, (rows[left], pairs[left], np.repeat(sampled, parts)[left])
 
-    def _wide(self, bounds: MotionBounds, rows: Indices, pairs: Indices, normals: Array) -> Flags:
-        """Whether gaps (P,) stay wider than a near miss.
-
-        The bound for two benches that move independently is faster, and the bound for their
-        relative motion clears some of the rest.
-        """
-        wide = bounds.smallest_gaps(rows, pairs, normals) > self._near
-        rest = ~wide
-        gaps = bounds.smallest_gaps_together(rows[rest], pairs[rest], normals[rest])
-        wide[rest] = gaps > self._near
-        return wide
-
     def _keep_samples(self, samples: Array, gaps: Array, sampled: Flags) -> None:
         """Keep `samples` (P, 6) of gaps with a bound for the first time that may be near misses.
 
@@ -411,23 +396,15 @@ def _resolution(time: float) -> float:
     return max(_RESOLUTION, _LAST_DIGITS * float(np.spacing(abs(time))))
 
 
-def _last_reachable(march: March, begin: float, later: float) -> float:
+def _end_of_motion(march: March, begin: float, later: float) -> float:
     """Last time at which the chain has a state: it has one at `begin`, and none at `later`.
 
     The result is early by the resolution: nearer to the end, rounding decides whether there is a
     state, and rounding depends on the processor and on the number of times that are computed
     together.
     """
-    reachable = begin
-    while later - reachable > _RESOLUTION and reachable < (reachable + later) / 2 < later:
-        times = np.linspace(reachable, later, _LAST_POINTS)
-        # If a handle has no coordinate, the last one has none.
-        lost: Flags = np.isnan(march.motion_or_nan(times).handles_s[:, -1])
-        lost[-1] = True
-        first = max(1, int(lost.argmax()))
-        reachable = float(times[first - 1])
-        later = float(times[first])
-    return max(begin, reachable - _resolution(reachable))
+    end = last_reachable(march, begin, later, march.dragon.handles, _RESOLUTION)
+    return max(begin, end - _resolution(end))
 
 
 def _near_misses(

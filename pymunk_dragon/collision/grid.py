@@ -65,9 +65,9 @@ class Grid:
     origin: tuple[float, float] = (-8.8, 8.8)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "cell", finite("cell", self.cell, *CELLS, "m"))
-        x, y = coordinates("origin", self.origin, 2, axes=1).tolist()
-        object.__setattr__(self, "origin", (x, y))
+        origin = coordinates("origin", self.origin, 2, axes=1)
+        cell = finite("cell", self.cell, *CELLS, "m")
+        vars(self).update(cell=cell, origin=tuple(origin.tolist()))
 
     @classmethod
     def of(cls, march: March) -> Grid:

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pymunk_dragon._arrays import Array, Complex, Indices, as_complex, as_vectors, read_only
-from pymunk_dragon._checks import MAX_COORDINATE, numbers
+from pymunk_dragon._checks import MAX_COORDINATE, fitting, numbers
 from pymunk_dragon.errors import ParameterError
 
 # Pairs worked on at once: their temporaries, about 0.7 kB a pair, stay in a processor's second
@@ -51,7 +51,7 @@ class Separation:
     Examples
     --------
     >>> separation([(0, 0), (1, 0), (1, 1), (0, 1)], [(3, 0), (4, 0), (4, 1), (3, 1)])
-    Separation(1 pairs, distance from 2 m to 2 m)
+    Separation(1 pairs)
     """
 
     distance: Array
@@ -59,13 +59,7 @@ class Separation:
     point: Array
 
     def __repr__(self) -> str:
-        size = self.distance.size
-        span = (
-            f", distance from {self.distance.min():g} m to {self.distance.max():g} m"
-            if size
-            else ""
-        )
-        return f"Separation({size} pairs{span})"
+        return f"Separation({self.distance.size} pairs)"
 
 
 def separation(first: ArrayLike, second: ArrayLike) -> Separation:
@@ -94,11 +88,7 @@ def separation(first: ArrayLike, second: ArrayLike) -> Separation:
     """
     one = coordinates("first", first, 4, 2)
     two = coordinates("second", second, 4, 2)
-    try:
-        shape = np.broadcast_shapes(one.shape[:-2], two.shape[:-2])
-    except ValueError as error:
-        bound = f"one that goes with {one.shape}"
-        raise ParameterError("second", f"of shape {two.shape}", bound) from error
+    shape = fitting("first and second", one.shape[:-2], two.shape[:-2])
     corners = np.empty((2, 4, *shape), dtype=complex)
     sides = np.moveaxis(corners, 1, -1)
     sides[0] = as_complex(one)

@@ -6,18 +6,18 @@ two samples; `first_contact.py` does not.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 import numpy as np
 
 from pymunk_dragon._arrays import Array
-from pymunk_dragon._checks import function, positive
+from pymunk_dragon._checks import function, positive, silent
 from pymunk_dragon.collision.first_contact import result_at
 from pymunk_dragon.collision.grid import Grid
 from pymunk_dragon.collision.result import FirstContact, Status
 from pymunk_dragon.collision.sat import deepest_overlap
-from pymunk_dragon.errors import ParameterError, UnreachableError
-from pymunk_dragon.model.march import March, checked_times
+from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.model.march import March, checked_times, states_while_reachable
 
 # s. Length of the interval that bisection ends with: a head at 1 m/s moves by a micrometre in it.
 _TOLERANCE = 1e-6
@@ -33,7 +33,7 @@ def scan(
     start: float = 0.0,
     until: float | None = None,
     step: float = 1.0,
-    progress: Callable[[float, float], None] | None = None,
+    progress: Callable[[float, float], None] = silent,
 ) -> FirstContact:
     """First contact among samples every `step`, bisected to a microsecond.
 
@@ -68,8 +68,7 @@ def scan(
     (0, 8)
     """
     start, until = checked_times(march, start, until)
-    if progress is not None:
-        function("progress", progress)
+    function("progress", progress)
     step = positive("step", step, np.inf, "s")
     end = min(until, march.end)
     if (end - start) / step > _MAX_SAMPLES:
@@ -93,9 +92,14 @@ def scan(
         return result("overlapping", start, pair)
     before = start
     times = np.append(np.arange(start + step, end, step), end)
-    for after, poses in _samples(march, times):
-        pair = overlapping(poses)
-        if pair is not None:
+    batches = (times[first : first + _BATCH] for first in range(0, times.size, _BATCH))
+    for states in states_while_reachable(march, batches):
+        for after, poses in zip(states.times.tolist(), states.poses, strict=True):
+            pair = overlapping(poses)
+            if pair is None:
+                before = after
+                progress(before, until)
+                continue
             # Bisection between a time at which no benches overlap and one at which `pair` does.
             while after - before > _TOLERANCE and before < (middle := (before + after) / 2) < after:
                 found = overlapping(march.at(middle).poses[0])
@@ -105,20 +109,4 @@ def scan(
                     after = middle
                     pair = found
             return result("contact", after, pair)
-        before = after
-        if progress is not None:
-            progress(before, until)
     return result("clear" if before >= until else "unreachable", before, None)
-
-
-def _samples(march: March, times: Array) -> Iterator[tuple[float, Array]]:
-    """Each of `times` with the poses (N, 3) then, until the chain has no state."""
-    for first in range(0, times.size, _BATCH):
-        batch = times[first : first + _BATCH]
-        try:
-            states = march.at(batch)
-        except UnreachableError as error:
-            states = march.at(batch[batch < error.time])
-        yield from zip(states.times.tolist(), states.poses, strict=True)
-        if len(states.times) < len(batch):
-            return

@@ -1,7 +1,5 @@
 """The camera of a film."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Literal, get_args
 

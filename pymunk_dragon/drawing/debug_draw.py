@@ -51,22 +51,18 @@ A picture of 223 benches and their pivots, 640 x 640 pixels, takes 38 ms, and 36
 `pymunk.matplotlib_util` (`python tests/bench/bench.py debug-draw`).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from io import BytesIO
 from itertools import chain, pairwise
-from typing import Any
 
 import pymunk
-from PIL import Image, ImageChops, ImageColor, ImageDraw, ImageOps
-from pymunk.space_debug_draw_options import SpaceDebugColor as Colour
+from PIL import Image, ImageChops, ImageDraw, ImageOps
 
 from pymunk_dragon._checks import finite, flag, instance
 from pymunk_dragon.drawing import strokes
 from pymunk_dragon.errors import ParameterError
+from pymunk_dragon.physics.draw_calls import DrawCall, DrawRecorder, extent
 
 __all__ = ["PillowDrawOptions"]
 
@@ -88,112 +84,6 @@ _HOLE_INSET = 2 / math.pi - _EDGE_INSET
 _MAX_REACH = 1e9
 # Pixels.
 _STILL_SIZE = 640, 480
-# Least width and height of the area of a space over the larger of the two.
-_THINNEST = 1e-3
-
-
-@dataclass(slots=True)
-class DrawCall:
-    """What Pymunk draws for a shape, a constraint or a contact.
-
-    Lengths have the space's units, and colours are those of Pymunk, 0 to 255.
-
-    `name` is "circle", "segment" or "polygon" for shapes, "line" or "dot" for constraints, and
-    "contact". `points` has a centre, the points of a line, or corners. The `radius` of a dot is in
-    pixels. Only what is drawn for a `shape` has an `outline`, and only circles have an `angle`,
-    rad.
-    """
-
-    name: str
-    points: tuple[_Point, ...]
-    radius: float
-    fill: Colour
-    outline: Colour | None = None
-    angle: float = 0.0
-    shape: pymunk.Shape | None = None
-
-
-class DrawRecorder(pymunk.SpaceDebugDrawOptions):
-    """Recorder of Pymunk's debug drawing, for any painter.
-
-    `space.debug_draw(recorder)` makes a new list of `calls`.
-
-    Shapes are drawn where their bodies are now, also if these were moved since the last step;
-    Pymunk (7.3.1) itself draws them where the step left them. Shapes of a static body stay where
-    they are, and collide there, until `Space.reindex_shapes_for_body`. Drawing changes no run: the
-    next step places the shapes again.
-
-    Chipmunk is written in C, and Python only prints an exception in a function that C calls. The
-    exception of a shape with a wrong `color` is raised by `debug_draw`.
-    """
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.calls: list[DrawCall] = []
-        self._error: Exception | None = None
-        self._shape: pymunk.Shape | None = None
-        self._contact_colour: Colour | None = None
-
-    def color_for_shape(self, shape: pymunk.Shape) -> Colour:
-        """Colour of the shape that Chipmunk draws next: its own, or that of its kind of body."""
-        self._shape = shape
-        if shape.body is not None and shape.body.body_type != pymunk.Body.STATIC:
-            # Chipmunk asks for the colour before it reads where the shape is.
-            shape.cache_bb()
-        try:
-            red, green, blue, alpha = map(float, super().color_for_shape(shape))
-        except (TypeError, ValueError) as error:
-            self._error = error
-            return self.shape_static_color
-        return Colour(red, green, blue, alpha)
-
-    def draw_circle(
-        self, pos: _Point, angle: float, radius: float, outline_color: Colour, fill_color: Colour
-    ) -> None:
-        """Record a circle with a line from its centre in the direction of `angle`."""
-        call = DrawCall("circle", (pos,), radius, fill_color, outline_color, angle, self._shape)
-        self.calls.append(call)
-
-    def draw_segment(self, a: _Point, b: _Point, color: Colour) -> None:
-        """Record a line of a constraint or, if it has the colour of collision points, a contact."""
-        name = "contact" if color == self._contact_colour else "line"
-        self.calls.append(DrawCall(name, (a, b), 0.0, color))
-
-    def draw_fat_segment(
-        self, a: _Point, b: _Point, radius: float, outline_color: Colour, fill_color: Colour
-    ) -> None:
-        """Record a segment with round ends."""
-        call = DrawCall("segment", (a, b), radius, fill_color, outline_color, 0.0, self._shape)
-        self.calls.append(call)
-
-    def draw_polygon(
-        self, verts: Sequence[_Point], radius: float, outline_color: Colour, fill_color: Colour
-    ) -> None:
-        """Record a convex polygon with corners rounded by a radius."""
-        corners = tuple(verts)
-        call = DrawCall("polygon", corners, radius, fill_color, outline_color, 0.0, self._shape)
-        self.calls.append(call)
-
-    def draw_dot(self, size: float, pos: _Point, color: Colour) -> None:
-        """Record a disc of radius `size`, pixels."""
-        self.calls.append(DrawCall("dot", (pos,), size, color))
-
-    def __enter__(self) -> None:
-        """Start recording, in the space's own coordinates."""
-        self.calls = []
-        self._error = None
-        self._shape = None
-        # Read once: a spring is 14 lines.
-        colour = self.collision_point_color
-        self._contact_colour = None if colour == self.constraint_color else colour
-        self._view = self.transform
-        self.transform = pymunk.Transform.identity()
-
-    def __exit__(self, *raised: object) -> None:
-        """End recording."""
-        self.transform = self._view
-        if self._error is not None:
-            raise self._error
 
 
 class PillowDrawOptions(DrawRecorder):
@@ -294,44 +184,20 @@ class PillowDrawOptions(DrawRecorder):
         return canvas.reduce(_SAMPLES)
 
 
-def extent(space: pymunk.Space) -> pymunk.BB:
-    """Bounding box of a space's shapes and constraints."""
-    recorder = DrawRecorder()
-    recorder.flags = recorder.DRAW_SHAPES | recorder.DRAW_CONSTRAINTS
-    space.debug_draw(recorder)
-    box = pymunk.BB(math.inf, math.inf, -math.inf, -math.inf)
-    for call in recorder.calls:
-        # The radius of a dot is in pixels.
-        radius = call.radius if call.outline else 0
-        for x, y in call.points:
-            # Shapes with infinite coordinates are not drawn either.
-            if all(map(math.isfinite, (x, y, radius))):
-                box = box.merge(pymunk.BB.newForCircle((x, y), radius))
-    return box
-
-
-def area(space: pymunk.Space) -> tuple[float, float, float, float]:
-    """Centre, width and height of what is drawn of a space; an empty one has an area too."""
-    box = extent(space)
-    if box.left > box.right:
-        box = pymunk.BB(-1, -1, 1, 1)
-    width = box.right - box.left
-    height = box.top - box.bottom
-    # All may be a point.
-    least = _THINNEST * (max(width, height) or 1.0)
-    return *box.center(), max(width, least), max(height, least)
-
-
 def still(
     space: pymunk.Space,
     field: Mapping[str, Sequence[float]],
     *,
     y_down: bool,
+    flags: int,
     more: Sequence[DrawCall],
 ) -> bytes:
-    """PNG of the shapes in a part of a space, of a centre and a size; `more` is drawn over them."""
+    """PNG of a part of a space, of a centre and a size.
+
+    The `flags` of debug drawing choose what is drawn; `more` is drawn over it.
+    """
     options = PillowDrawOptions(Image.new("RGB", _STILL_SIZE, "white"), positive_y_is_up=not y_down)
-    options.flags = options.DRAW_SHAPES
+    options.flags = flags
     x, y = field["centre"]
     width, height = field["size"]
     options.fit(pymunk.BB(x - width / 2, y - height / 2, x + width / 2, y + height / 2))
@@ -341,17 +207,6 @@ def still(
     file = BytesIO()
     options.image.save(file, "png")
     return file.getvalue()
-
-
-def colour(name: str, value: Any) -> Colour:
-    """A colour of Pymunk's from a name, a text as "#rrggbb", or three or four numbers."""
-    try:
-        numbers: Any = ImageColor.getcolor(value, "RGBA") if isinstance(value, str) else value
-        red, green, blue, *alpha = (finite(name, each, 0, 255, "") for each in numbers)
-        return Colour(red, green, blue, *alpha or [255])
-    except (TypeError, ValueError):
-        bound = "the name of a colour, #rrggbb, or 3 or 4 numbers from 0 to 255"
-        raise ParameterError(name, value, bound) from None
 
 
 def _paint(draw: ImageDraw.ImageDraw, view: pymunk.Transform, line: float, call: DrawCall) -> None:

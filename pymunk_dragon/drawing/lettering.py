@@ -3,10 +3,7 @@
 The Chinese font is used if a text needs it.
 """
 
-from __future__ import annotations
-
 import textwrap
-from bisect import bisect_left
 from functools import cache, lru_cache
 from pathlib import Path
 
@@ -56,23 +53,11 @@ def wrapped(text: str, height: int, width: int) -> list[Image.Image]:
     narrow enough.
     """
     file = _font_file(text)
-
-    def is_wide(part: str) -> bool:
-        return _width(part, height, file) > width
-
-    def first_line_is_wide(columns: int) -> bool:
-        return is_wide("".join(textwrap.wrap(text, columns)[:1]))
-
-    # The first line grows with the number of characters.
-    numbers = range(1, len(text) + 1)
-    columns = max(1, bisect_left(numbers, x=True, key=first_line_is_wide))
+    # Two lines that follow each other have more characters together than fit into one.
+    columns = 1 + min(len(text), 2 * len(text) * width // _width(text, height, file))
     parts = textwrap.wrap(text, columns)
-    while columns > 1:
-        wide = [i for i, part in enumerate(parts) if is_wide(part)]
-        if not wide:
-            break
-        # With fewer characters, but enough for all lines so far, these lines stay.
-        columns = max(map(len, parts[: wide[0] + 1])) - 1
+    while columns > 1 and any(_width(part, height, file) > width for part in parts):
+        columns -= 1
         parts = textwrap.wrap(text, columns)
     return [_line(part, height, file) for part in parts]
 

@@ -4,8 +4,6 @@ An overlay is a function that draws it, and an entry in `OVERLAYS`, from which f
 line have its name.
 """
 
-from __future__ import annotations
-
 from bisect import bisect_right
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The picture of a march or run in a notebook; `pymunk_dragon` registers it with IPython."""
 
-from __future__ import annotations
-
 from pymunk_dragon.drawing.film import still_png
 from pymunk_dragon.drawing.film.settings import Film
 from pymunk_dragon.model.march import March
@@ -13,5 +11,5 @@ _SIZE = 640
 
 def picture(source: March | Run) -> bytes:
     """Content of a PNG file of a run as it ended, or of a march as it begins."""
-    time = float(source.times[-1]) if isinstance(source, Run) else 0.0
+    time = source.interval[1] if isinstance(source, Run) else 0.0
     return still_png(source, time, Film(size=_SIZE))

@@ -1,7 +1,5 @@
 """Colours of pictures, and the table of colours of films."""
 
-from __future__ import annotations
-
 from dataclasses import asdict, dataclass
 from functools import cache
 from itertools import combinations

@@ -1,7 +1,5 @@
 """Draws the state of a dragon as a picture."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -18,14 +16,9 @@ from pymunk_dragon.drawing.marks import Layer, draw_overlays
 from pymunk_dragon.drawing.palette import BLOCK, COLOURS
 from pymunk_dragon.drawing.snapshots import Snapshots
 from pymunk_dragon.model.contact import Contact
-from pymunk_dragon.model.dragon import Dragon, rectangles
+from pymunk_dragon.model.dragon import Dragon, hole_diameter, rectangles
 from pymunk_dragon.model.run import Run
 
-# m: diameter of a hole in the paper. Only pictures depend on it.
-_HOLE_DIAMETER = 0.055
-# Largest diameter of a hole as a fraction of a bench's width and twice its overhang, so that the
-# holes of a small bench stay inside its outline.
-_MAX_HOLE_FRACTION = 0.4
 # Drawn pixels: a smaller hole is not recognisable. Films of the reference scenario's whole field
 # show holes from 850 pixels on.
 _MIN_HOLE_DIAMETER = 4.0
@@ -186,12 +179,6 @@ class Scene:
 def text_height(size: tuple[int, int]) -> int:
     """Height of texts in a picture of a size, pixels."""
     return max(_MIN_TEXT_HEIGHT, round(_TEXT_HEIGHT * min(size)))
-
-
-def hole_diameter(dragon: Dragon) -> float:
-    """Diameter of a dragon's holes in pictures, m."""
-    smallest = np.minimum(dragon.widths, 2 * dragon.overhangs).min()
-    return min(_HOLE_DIAMETER, _MAX_HOLE_FRACTION * float(smallest))
 
 
 def _smallest_gap(dragon: Dragon, poses: Array) -> tuple[float, int, tuple[float, float]]:

@@ -1,7 +1,5 @@
 """What pictures and films are drawn from: the states of runs and exact marches at any times."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -35,7 +33,7 @@ class Snapshots:
             if self.run is None:
                 poses = self.march.at(chunk).poses
             else:
-                chunk = np.clip(chunk, self.run.times[0], self.run.times[-1])
+                chunk = np.clip(chunk, *self.run.interval)
                 poses = self.run.poses_at(chunk)
             yield from zip(chunk.tolist(), poses, strict=True)
 

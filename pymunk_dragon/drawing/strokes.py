@@ -6,8 +6,6 @@ chosen. A polygon fills, in each row from its first corner to its last one, the 
 edges and half a pixel more at either end; along a horizontal edge it fills the edge's row.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import TypeVar

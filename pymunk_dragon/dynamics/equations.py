@@ -92,8 +92,7 @@ class PulledChain:
         right[0] += lead
         bands = matrix.reshape(-1, _BANDS).T
         _, found, _ = self._solve(bands, right.view(float), lower=1, overwrite_b=1)
-        forces: Complex = found.view(complex)
-        return forces
+        return np.asarray(found.view(complex))
 
     def rates(self, state: Array, lead: complex) -> Array:
         """Rates of change (2 N,) of angles and angular rates, which are one array (2 N,)."""

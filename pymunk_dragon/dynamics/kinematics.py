@@ -60,8 +60,7 @@ def handle_motion(march: March, times: Array, handles: int) -> HandleMotion:
 
 def dot(one: Complex, two: Complex) -> Array:
     """Scalar products of vectors that are complex numbers."""
-    product: Array = (one.conj() * two).real
-    return product
+    return (one.conj() * two).real
 
 
 def cuts(march: March, start: float, until: float, handles: int) -> list[float]:

@@ -19,7 +19,7 @@ from pymunk_dragon.dynamics.leader import Leader
 from pymunk_dragon.dynamics.search import Bodies, ContactSearch, Step
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.model.contact import Contact
-from pymunk_dragon.model.march import March, checked_times
+from pymunk_dragon.model.march import March, checked_times, last_reachable
 from pymunk_dragon.model.run import Outcome, Run, position_errors, versions
 
 # Relative tolerances of the integrator. With a smaller one, rounding errors decide the steps.
@@ -149,14 +149,9 @@ def _last_time(march: March, start: float, handles: int) -> float:
     Where the curve becomes too narrow for a bench, the speed of its rear handle has no limit.
     """
     march.motion(start, handles)
-    reachable, later = start, march.end
-    if not np.isnan(march.motion_or_nan(later, handles).handles_s).any():
-        return later
-    while reachable < (middle := (reachable + later) / 2) < later:
-        if np.isnan(march.motion_or_nan(middle, handles).handles_s).any():
-            later = middle
-        else:
-            reachable = middle
+    reachable = last_reachable(march, start, march.end, handles, 0.0)
+    if reachable == march.end:
+        return reachable
     distance = float(march.distance(reachable)) - _BEFORE_LAST
     return max((start + reachable) / 2, float(march.time(distance)))
 
@@ -297,8 +292,7 @@ class _Recorder:
         interpolant = cache(solver.dense_output)
 
         def states(times: Array) -> Array:
-            found: Array = interpolant()(times).T
-            return found
+            return np.asarray(interpolant()(times).T)
 
         def at(times: Array) -> Bodies:
             return self._pulled.bodies(leader, times, states(times))
@@ -377,5 +371,4 @@ def _closing_rate(contact: Contact, bodies: Bodies) -> float:
         u, v, spin = bodies.rates[bench].tolist()
         velocities.append(complex(u, v) + 1j * spin * (point - complex(x, y)))
     first, second = velocities
-    rate: float = ((first - second) * normal.conjugate()).real
-    return rate
+    return float(((first - second) * normal.conjugate()).real)

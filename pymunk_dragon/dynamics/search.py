@@ -155,8 +155,8 @@ class ContactSearch:
         moving = velocities[second] - velocities[first]
         moving -= 1j * mean * (centres[second] - centres[first])
         reach = self._radii[first] + self._radii[second]
-        rates: Array = np.abs(moving) + np.abs(spins[second] - spins[first]) / 2 * reach
-        return rates
+        turning = np.abs(spins[second] - spins[first]) / 2
+        return np.asarray(np.abs(moving) + turning * reach)
 
     def _within(
         self, step: Step, pairs: Indices, rates: Array
@@ -207,5 +207,4 @@ class ContactSearch:
             lengths = self._dragon.lengths[side][:, None]
             widths = self._dragon.widths[side][:, None]
             sides.append(rectangles(poses[index, side[:, None]], lengths, widths))
-        distances: Array = separation(*sides).distance
-        return distances
+        return separation(*sides).distance

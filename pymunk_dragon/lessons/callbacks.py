@@ -74,7 +74,9 @@ for step in range(70):  # noqa: B007  # `noted` prints it.
     options.fit(pymunk.BB(-2.6, -2.9, 2.6, 2.04))
     space.debug_draw(options)
     draw = ImageDraw.Draw(frame)
-    draw.text((90, 230), "\n".join(calls), "black", font_size=14)
+    # In symbols, as the film is the same in all languages.
+    symbols = "\n".join(calls).replace("step", "n =").replace("impulse", "J =")
+    draw.text((90, 230), symbols, "black", font_size=14)
     frames.append(frame)
 sys.unraisablehook = usual
 *_, body = space.bodies
@@ -110,8 +112,9 @@ frames[40]
 # The impulse of 3.29 N s is what sets the bench in motion: divide it by 10 kg, and compare the
 # speed.
 # ## Try
-# Watch which calls come once, which again and again, and with which impulse. Then drag one bench so
-# that it slowly pushes the other along. What is the impulse of a contact that lasts?
+# Watch which calls come once, which again and again, and with which impulse (in the film $n$ is the
+# step and $J$ the impulse). Then drag one bench so that it slowly pushes the other along. What is
+# the impulse of a contact that lasts?
 # ## Change
 # Set `elasticity`, their bounce, to 0. Why is there less of an impulse, but more of the calls?
 # ## Teacher

@@ -97,8 +97,7 @@ def velocity_ratios(front: Array, rear: Array) -> Array:
 
 def angular_rates(front: Complex, rear: Complex, spacings: Array) -> Array:
     """Angular rates omega (..., N) by the front handle's coordinate, from both angles."""
-    rates: Array = (front.imag - front.real / rear.real * rear.imag) / spacings
-    return rates
+    return (front.imag - front.real / rear.real * rear.imag) / spacings
 
 
 def rate_bounds(
@@ -304,7 +303,7 @@ def _nearest(path: Path, handles_s: Array, spacings: Array) -> Flags:
         some = fronts[:, rest]
         curvature = path.max_curvature(some - reach, some)
         sharp[:, rest] = ~(curvature * spacings[:, None] < 2)
-        for spacing in np.unique(spacings).tolist():
+        for spacing in sorted({*spacings.tolist()}):
             chosen = np.nonzero(sharp & (spacings[:, None] == spacing))
             nearest = rear_handle(path, fronts[chosen], spacing)
             found[chosen] = np.abs(nearest - rears[chosen]) <= _SAME_HANDLE

@@ -92,8 +92,8 @@ class Continuation:
     @cached_property
     def start(self) -> Array:
         """Coordinates (H,) at the start, m; nan for handles without one and all behind."""
-        handles_s: Array = self._curve.chain([self._head], self._spacings)[0]
-        return handles_s
+        (handles_s,) = self._curve.chain([self._head], self._spacings)
+        return np.asarray(handles_s)
 
     def motion(self, heads: Array, handles: int) -> ChainMotion:
         """Motion of the foremost handles for heads (T,), m; nan where no motion leads."""
@@ -163,7 +163,7 @@ class Continuation:
 
     def is_one_function(self, low: float, high: float) -> bool:
         """Whether all benches behind bench 0 are one function for heads from `low` to `high`, m."""
-        if np.unique(self._spacings[1:]).size > 1:
+        if len({*self._spacings[1:].tolist()}) > 1:
             return False
         lows = np.array([min(low, self._head)])
         highs = np.array([max(high, self._head)])

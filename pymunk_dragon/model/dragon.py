@@ -30,6 +30,11 @@ _MAX_BENCHES = 10_000
 _LENGTHS = 0.001, 100.0
 # m: sides of rectangles of any kind. The products of shorter sides would be zero.
 _SIDES = 1e-150, MAX_COORDINATE
+# m: diameter of a hole in the paper. Only pictures depend on it.
+_HOLE_DIAMETER = 0.055
+# Largest diameter of a hole as a fraction of a bench's width and twice its overhang, so that the
+# holes of a small bench stay inside its outline.
+_MAX_HOLE_FRACTION = 0.4
 # Handles in the paper's tables, beside the last one.
 _TABLE_HANDLES = (0, 1, 51, 101, 151, 201)
 
@@ -80,12 +85,10 @@ class Dragon:
                     name, benches = f"number of benches by {each}", len(sizes) + more[each]
                     break
         benches = whole(name, benches, _MIN_BENCHES, _MAX_BENCHES)
-        object.__setattr__(self, "benches", benches)
         head_spacing = finite("head_spacing", self.head_spacing, *_LENGTHS, "m")
-        object.__setattr__(self, "head_spacing", head_spacing)
+        vars(self).update(benches=benches, head_spacing=head_spacing)
         for name, extra in more.items():
-            sizes = _sizes(name, getattr(self, name), benches - extra)
-            object.__setattr__(self, name, sizes)
+            vars(self)[name] = _sizes(name, getattr(self, name), benches - extra)
 
         # At an end of the chain the bench replaces its missing neighbour.
         beside = np.pad(self.overhangs, 1, mode="edge")
@@ -246,6 +249,12 @@ def rectangles(poses: Array, lengths: Array, widths: Array) -> Array:
     return as_vectors(_rectangles(as_complex(poses[..., :2]), along, left))
 
 
+def hole_diameter(dragon: Dragon) -> float:
+    """Diameter of a dragon's holes in pictures, m."""
+    smallest = np.minimum(dragon.widths, 2 * dragon.overhangs).min()
+    return min(_HOLE_DIAMETER, _MAX_HOLE_FRACTION * float(smallest))
+
+
 def pose_step(before: Array, after: Array) -> Array:
     """Change (..., 3) from one pose to another, with the angle's from -pi to pi."""
     step = after - before
@@ -273,8 +282,7 @@ def _sizes(name: str, value: Any, count: int) -> _Sizes:
 
 def headings(poses: Array) -> Complex:
     """Unit vectors (...) along the benches at poses (..., 3)."""
-    vectors: Complex = np.cos(poses[..., 2]) + 1j * np.sin(poses[..., 2])
-    return vectors
+    return np.cos(poses[..., 2]) + 1j * np.sin(poses[..., 2])
 
 
 def _rectangles(centres: Complex, along: Complex, left: Complex) -> Complex:

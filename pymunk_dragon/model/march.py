@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -27,6 +27,8 @@ from pymunk_dragon.model.speed import MAX_SPEED, MAX_TIME, MIN_SPEED, SpeedTable
 _MAX_RETREAT = 1e5
 # m from a curve's begin to the last handle of a dragon that starts there: 1000 rounding errors.
 _CLEAR_OF_BEGIN = 1e-9
+# Points per pass in the search for the last time at which a chain has a state.
+_LAST_POINTS = 33
 # Share of a time, and s: sums of steps may be later than the end of the curve by some thousand
 # rounding errors.
 _SAME_TIME = 1e-12
@@ -64,8 +66,7 @@ class States(ArrayRecord):
             read_only(array)
 
     def __repr__(self) -> str:
-        span = f" from {self.times.min():g} s to {self.times.max():g} s" if self.times.size else ""
-        return f"States({self.handles_s.shape[1]} handles at {self.times.size} times{span})"
+        return f"States({self.handles_s.shape[1]} handles at {self.times.size} times)"
 
     def to_dict(self, handles: Sequence[int] | None = None) -> dict[str, Any]:
         """Times, numbers of the `handles` (all by default), positions and speeds as lists."""
@@ -153,7 +154,7 @@ class March:
         instance("dragon", self.dragon, Dragon, "a Dragon")
         required_curve(self.curve)
         if not isinstance(self.speed, SpeedTable):
-            object.__setattr__(self, "speed", self.speed_profile.speeds[0])
+            vars(self)["speed"] = self.speed_profile.speeds[0]
         widest = float(self.dragon.widths.max())
         turn_width = self.curve.turn_width
         if turn_width is not None and turn_width <= widest:
@@ -169,11 +170,11 @@ class March:
         if self.start_s is not None:
             if self.turns is not None:
                 raise ParameterError("turns", self.turns, "absent where start_s is given")
-            start_s = finite("start_s", self.start_s, self.curve.begin_s, self.curve.end_s, "m")
-            object.__setattr__(self, "start_s", start_s)
+            ends = self.curve.begin_s, self.curve.end_s
+            vars(self)["start_s"] = finite("start_s", self.start_s, *ends, "m")
         elif turns is not None:
             self.curve.at_turn(turns)
-            object.__setattr__(self, "turns", float(turns))
+            vars(self)["turns"] = float(turns)
 
     def _misfit(self, handle: int) -> ParameterError:
         """Error for a march in which a handle has no coordinate at t = 0."""
@@ -345,6 +346,31 @@ class March:
 def check_march(value: object) -> None:
     """Raise a ParameterError if `value` is no march."""
     instance("march", value, March, "a March")
+
+
+def states_while_reachable(
+    march: March, batches: Iterable[Array], handles: int | None = None
+) -> Iterator[States]:
+    """States at rising times, which come in batches, until the chain has none."""
+    for times in batches:
+        try:
+            yield march.at(times, handles)
+        except UnreachableError as error:
+            yield march.at(times[times < error.time], handles)
+            return
+
+
+def last_reachable(march: March, begin: float, later: float, handles: int, nearest: float) -> float:
+    """Last time of a state of the first `handles`, s, to `nearest`: there is one at `begin`."""
+    while later - begin > nearest and begin < (begin + later) / 2 < later:
+        times = np.linspace(begin, later, _LAST_POINTS)
+        # If a handle has no coordinate, the last one has none.
+        lost = np.isnan(march.motion_or_nan(times, handles).handles_s[:, -1])
+        if not lost[-1]:
+            return later
+        first = max(1, int(lost.argmax()))
+        begin, later = times[first - 1 : first + 1].tolist()
+    return begin
 
 
 def checked_times(march: March, start: float, until: float | None) -> tuple[float, float]:

@@ -65,8 +65,20 @@ _MAX_UNPACKED = 512_000_000
 _MAX_RATIO = 10
 
 
+class _Origin:
+    """What a run reads of its provenance."""
+
+    player: str | None
+    guide: str | None
+    free_from: int | None
+    settings: EngineSettings | None
+    start: float
+    substeps: int | None
+    versions: Mapping[str, Any]
+
+
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
-class Run(ArrayRecord):
+class Run(ArrayRecord, _Origin):
     """A dragon's run over F frames of N benches.
 
     Two runs are equal if everything but the seconds that playing took is equal, to the last bit.
@@ -129,13 +141,6 @@ class Run(ArrayRecord):
     provenance: Mapping[str, Any] = field(default_factory=dict)
     wall_seconds: float | None = field(default=None, compare=False)
     step_seconds: float | None = field(default=None, compare=False)
-    player: str | None = field(init=False, compare=False)
-    guide: str | None = field(init=False, compare=False)
-    free_from: int | None = field(init=False, compare=False)
-    settings: EngineSettings | None = field(init=False, compare=False)
-    start: float = field(init=False, compare=False)
-    substeps: int | None = field(init=False, compare=False)
-    versions: Mapping[str, Any] = field(init=False, compare=False)
 
     def __post_init__(self) -> None:
         check_march(self.march)
@@ -148,13 +153,13 @@ class Run(ArrayRecord):
         self.march.motion_or_nan(times[:1])
         if self.pose_velocities is None:
             rates = _differences(times, numbers("poses", self.poses, 3))
-            object.__setattr__(self, "pose_velocities", rates)
+            vars(self)["pose_velocities"] = rates
         for name in _KINDS:
-            if name != "joint_forces" or self.joint_forces is not None:
-                object.__setattr__(self, name, self._checked(name, times.size))
+            if getattr(self, name) is not None:
+                vars(self)[name] = self._checked(name, times.size)
 
         events = instances("events", self.events, ContactEvent, "a sequence of ContactEvents")
-        object.__setattr__(self, "events", ContactLog(events))
+        vars(self)["events"] = ContactLog(events)
         instance("first_contact", self.first_contact, Contact | NoneType, "a Contact or None")
         for name in ("wall_seconds", "step_seconds"):
             if getattr(self, name) is not None:
@@ -168,8 +173,7 @@ class Run(ArrayRecord):
             bound = f"a mapping of JSON values ({error})"
             raise ParameterError("provenance", self.provenance, bound) from error
         attributes = _attributes(provenance, self.march, float(self.times[0]))
-        for name, value in {"provenance": provenance, **attributes}.items():
-            object.__setattr__(self, name, value)
+        vars(self).update(attributes, provenance=provenance)
 
     def _checked(self, name: str, frames: int) -> Array:
         """A read-only copy of an array of a run, whose caller may change the array."""
@@ -201,7 +205,7 @@ class Run(ArrayRecord):
 
     def __str__(self) -> str:
         touch = self.first_contact
-        until = float(self.times[-1])
+        _, until = self.interval
         if touch is not None:
             status = "overlapping" if touch.time <= self.start else self.outcome
             lines = [contact_text(status, touch.benches, touch.point, touch.time)]
@@ -240,7 +244,7 @@ class Run(ArrayRecord):
             # JSON has no nan.
             "drift": {name: None if math.isnan(value) else value for name, value in drift.items()},
             "start": self.start,
-            "until": float(self.times[-1]),
+            "until": self.interval[1],
             "substep": self.substep,
             "substeps": self.substeps,
             "iterations": self.settings.iterations if self.settings else None,
@@ -254,6 +258,12 @@ class Run(ArrayRecord):
     def is_exact_march(self) -> bool:
         """Whether the exact model played, with all benches on the path."""
         return self.player == "exact" and self.free_from is None
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """Times of the first and of the last frame, s."""
+        begin, end = self.times[[0, -1]].tolist()
+        return begin, end
 
     @property
     def is_pulled(self) -> bool:

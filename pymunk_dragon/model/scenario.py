@@ -141,7 +141,7 @@ class Scenario:
         for name in (*_DRAGON, *start, "curve", "speed"):
             given.pop(name, None)
         curve = _curve(values.get("curve"), given)
-        object.__setattr__(self, "_march", March(dragon, curve, **start, speed=speed))
+        vars(self)["_march"] = March(dragon, curve, **start, speed=speed)
 
     @classmethod
     def of(cls, march: March) -> Scenario:

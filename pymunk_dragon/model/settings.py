@@ -101,11 +101,10 @@ class EngineSettings:
             raise ParameterError("head_force", self.head_force, bound)
         for name, (high, unit) in _LIMITS.items():
             if (value := getattr(self, name)) is not None or name == "drag":
-                object.__setattr__(self, name, positive(name, value, high, unit))
-        object.__setattr__(self, "order", whole("order", self.order, 1, 2))
+                vars(self)[name] = positive(name, value, high, unit)
+        vars(self)["order"] = whole("order", self.order, 1, 2)
         if self.iterations is not None:
-            iterations = whole("iterations", self.iterations, 1, _MAX_ITERATIONS)
-            object.__setattr__(self, "iterations", iterations)
+            vars(self)["iterations"] = whole("iterations", self.iterations, 1, _MAX_ITERATIONS)
 
     def resolved(
         self, *, top_speed: float, pulled_mass: float, holds_all: bool = True

@@ -5,7 +5,6 @@ A number is a table of one entry.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -15,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pymunk_dragon._arrays import Array
-from pymunk_dragon._checks import finite, number, numbers, positive
+from pymunk_dragon._checks import finite, numbers, positive, within
 from pymunk_dragon._files import number_rows
 from pymunk_dragon.errors import FileFormatError, ParameterError
 
@@ -62,7 +61,7 @@ class SpeedTable:
                 raise ParameterError(name, given, "a sequence of at least one number")
             entries = enumerate(values.tolist())
             checked = (finite(f"{name}[{i}]", value, *bounds) for i, value in entries)
-            object.__setattr__(self, name, tuple(checked))
+            vars(self)[name] = tuple(checked)
 
         if len(self.times) != len(self.speeds):
             raise ParameterError("speeds", self.speeds, f"as many as the times, {len(self.times)}")
@@ -161,12 +160,10 @@ class SpeedTable:
 
     def fastest(self, start: float, until: float) -> float:
         """Largest speed, m/s, from `start` to `until`, s."""
+        ends = within("start and until", numbers("times", [start, until]), -np.inf, np.inf, "s")
         times, speeds, *_ = self._knots
-        for name, value in (("start", start), ("until", until)):
-            if math.isnan(number(value)):
-                raise ParameterError(name, value, "a number, s")
-        between = speeds[(start < times) & (times < until)]
-        return float(np.append(self.at([start, until]), between).max())
+        between = speeds[(ends[0] < times) & (times < ends[1])]
+        return float(np.append(self.at(ends), between).max())
 
     @cached_property
     def _knots(self) -> tuple[Array, Array, Array, Array]:
@@ -174,7 +171,8 @@ class SpeedTable:
 
         They are those of the entries and of time 0.
         """
-        times = np.unique([*self.times, 0.0])
+        # `np.unique` would import masked arrays, here and in what every march needs.
+        times = np.array(sorted({*self.times, 0.0}))
         speeds = np.interp(times, self.times, self.speeds)
         # Between entries, which are no less than a microsecond apart; the time 0 may be next to
         # one.

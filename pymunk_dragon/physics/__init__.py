@@ -138,9 +138,10 @@ twice the ground drag on the head. From the first contact to 10 s after it
 """
 
 from pymunk_dragon.model.settings import EngineSettings
+from pymunk_dragon.physics.assembly import GUIDES
 from pymunk_dragon.physics.guide import PathGuide
 from pymunk_dragon.physics.rails import Rails
 from pymunk_dragon.physics.simulation import simulate
-from pymunk_dragon.physics.world import GUIDES, World
+from pymunk_dragon.physics.world import World
 
 __all__ = ["GUIDES", "EngineSettings", "PathGuide", "Rails", "World", "simulate"]

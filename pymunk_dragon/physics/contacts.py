@@ -14,7 +14,6 @@ from typing import Any, get_args
 
 import pymunk
 
-from pymunk_dragon.collision.sat import separation
 from pymunk_dragon.model.contact import Contact, ContactEvent, Phase
 from pymunk_dragon.physics.readings import impulse_of
 from pymunk_dragon.physics.world import World
@@ -178,6 +177,9 @@ class Recorder:
             body = self._world.bodies[bench]
             corners = self._world.shapes[bench].get_vertices()
             outlines.append(list(map(body.local_to_world, corners)))
+        # As in `substep`.
+        from pymunk_dragon.collision.sat import separation
+
         return bool(separation(*outlines).distance > 0)
 
 

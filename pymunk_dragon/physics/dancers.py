@@ -41,9 +41,7 @@ class Dancers:
     pivots : list of pymunk.PivotJoint
         The joints between benches, which the world adds later.
     dragon : Dragon
-        The dragon, for the sizes of its benches.
-    masses : ndarray, shape (N,)
-        Masses of the benches, kg.
+        The dragon, for the sizes and masses of its benches.
     top_speed : float
         Highest speed of the head, m/s.
     """
@@ -54,14 +52,12 @@ class Dancers:
         space: pymunk.Space,
         pivots: list[pymunk.PivotJoint],
         dragon: Dragon,
-        masses: Array,
         top_speed: float,
     ) -> None:
         self._guide = guide
         self._space = space
         self._pivots = pivots
         self._dragon = dragon
-        self._masses = masses
         self._top_speed = top_speed
         # The guide's joints of each bench, from bench 1 on.
         self.joints: list[Sequence[pymunk.Constraint]] = []
@@ -92,9 +88,9 @@ class Dancers:
     def pulled_mass(self) -> float:
         """Mass of the benches on which the head balances the ground drag, kg."""
         if self.returning or not self._guide.balances_drag:
-            return math.fsum(self._masses)
+            return math.fsum(self._dragon.masses)
         first = self.free_from or self._dragon.benches
-        return math.fsum([self._masses[0], *self._masses[first:]])
+        return math.fsum([self._dragon.masses[0], *self._dragon.masses[first:]])
 
     def limit(self, forces: Array) -> None:
         """Reduce the guide's `forces` (N, 3) to those that the dancers apply, N and N m."""
@@ -120,7 +116,7 @@ class Dancers:
     def _stop_pushing(self, first: int, drag: float) -> None:
         """Push no bench from `first` on, and the others with limited forces."""
         self._unpushed = min(self._unpushed, first)
-        self._limits = _MAX_GUIDE_FORCE * self._masses[:, None] * drag * self._top_speed**2
+        self._limits = _MAX_GUIDE_FORCE * self._dragon.masses[:, None] * drag * self._top_speed**2
 
     def hold(self, bodies: Sequence[pymunk.Body]) -> None:
         """Begin to carry the benches that were let go, over all others, to their exact poses."""

@@ -25,7 +25,7 @@ class PathGuide:
     """Base class of guides, which hold benches on the path by joints, by forces, or by both.
 
     A subclass overrides what it needs; an instance of it is given to `simulate(guide=...)`.
-    `GUIDES` in `world.py` holds those that have a name.
+    `GUIDES` in `assembly.py` holds those that have a name.
 
     Attributes
     ----------

@@ -43,16 +43,14 @@ class MidTorque:
     Parameters
     ----------
     dragon : Dragon
-        The dragon, for the distances between the holes.
-    masses : ndarray, shape (N,)
-        Masses of the benches, kg.
+        The dragon, for the distances between the holes and the masses.
     """
 
-    def __init__(self, dragon: Dragon, masses: Array) -> None:
+    def __init__(self, dragon: Dragon) -> None:
         self._half = dragon.spacings / 2
-        self._masses = masses[:, None]
+        self._masses = dragon.masses[:, None]
         # N: force in the joint before each bench in the last step; none is behind the last bench.
-        self._forces = np.zeros((len(masses) + 1, 2))
+        self._forces = np.zeros((dragon.handles, 2))
 
     def before_step(
         self,

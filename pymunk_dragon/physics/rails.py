@@ -120,8 +120,7 @@ class Rails(PathGuide):
         for need, share in zip(needs[::-1].tolist(), [0.0, *kept[::-1].tolist()], strict=True):
             force = need + share * force
             found.append(force)
-        forces: Array = np.hypot(found[::-1], across / 2)
-        return forces
+        return np.asarray(np.hypot(found[::-1], across / 2))
 
     def _motion(self, hinge_velocity: complex, along: Complex, tangents: Complex) -> Array:
         """Speeds of the benches along themselves, m/s, and their angular rates, rad/s, (2, N - 1).

@@ -7,12 +7,15 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
 import pymunk
 from pymunk import batch
+
+# Chipmunk's own functions: the properties of Pymunk take five times as long.
+from pymunk._chipmunk_cffi import ffi, lib
 from pymunk.batch import ArbiterFields, BodyFields
 
 from pymunk_dragon._arrays import Array, as_complex
@@ -200,8 +203,9 @@ def _end(joint: pymunk.Constraint, side: str) -> pymunk.Vec2d:
     """End of a joint on body "a" or "b" in the world: an anchor, or the position of the body."""
     body: pymunk.Body = getattr(joint, side)
     for kind in ("anchor", "groove"):
-        if hasattr(joint, f"{kind}_{side}"):
-            return body.local_to_world(getattr(joint, f"{kind}_{side}"))
+        point = getattr(joint, f"{kind}_{side}", None)
+        if point is not None:
+            return body.local_to_world(point)
     return body.position
 
 
@@ -314,8 +318,7 @@ class Contacts:
         ids = self._numbers()
         order = np.argsort(ids)
         ages = order[np.searchsorted(ids[order], flags[:, :2])]
-        signs: Array = np.where(ages[:, 0] <= ages[:, 1], 1.0, -1.0)
-        return signs
+        return np.where(ages[:, 0] <= ages[:, 1], 1.0, -1.0)
 
     def _impulses(self, pairs: Array, flags: Any) -> Array:
         """Sizes (P,) of the impulses of pairs in the last step."""
@@ -487,25 +490,34 @@ def energies(space: pymunk.Space) -> dict[str, float]:
     allows them. It has no part of forces that the user's functions choose: `velocity_func`,
     `force_func` and `torque_func`.
     """
-    dynamic = [body for body in space.bodies if body.body_type == pymunk.Body.DYNAMIC]
-    moving = [body for body in dynamic if not body.is_sleeping]
-    rows = [(body.mass, body.moment, *body.velocity, body.angular_velocity) for body in moving]
-    masses, moments, across, up, spins = np.array(rows).reshape(-1, 5).T
+    bodies = [body._body for body in space.bodies]
+    dynamic = [each for each in bodies if lib.cpBodyGetType(each) == pymunk.Body.DYNAMIC]
+    moving = [each for each in dynamic if not lib.cpBodyIsSleeping(each)]
+    masses = _numbers(lib.cpBodyGetMass, moving)
+    moments = _numbers(lib.cpBodyGetMoment, moving)
     moments[np.isinf(moments)] = 0.0
-    kinetic = math.fsum(masses * (across**2 + up**2) + moments * spins**2) / 2
-    momentum = math.hypot(masses @ across, masses @ up)
+    spins = _numbers(lib.cpBodyGetAngularVelocity, moving)
+    velocities = vectors(map(lib.cpBodyGetVelocity, moving))
+    squares = (velocities**2).sum(axis=1)
+    kinetic = math.fsum(masses * squares + moments * spins**2) / 2
+    momentum = math.hypot(*(masses @ velocities))
 
-    # Read once: each body would take it anew.
-    gravity = space.gravity
-    potential = -math.fsum(body.mass * centre_of_mass(body).dot(gravity) for body in dynamic)
+    own = map(lib.cpBodyGetCenterOfGravity, dynamic)
+    heights = vectors(map(lib.cpBodyLocalToWorld, dynamic, own)) @ space.gravity
+    potential = -math.fsum(_numbers(lib.cpBodyGetMass, dynamic) * heights)
     elastic = math.fsum(map(_elastic_energy, space.constraints))
     values = kinetic, kinetic + potential + elastic, momentum
     return dict(zip(QUANTITIES, values, strict=True))
 
 
-def centre_of_mass(body: pymunk.Body) -> pymunk.Vec2d:
-    """Centre of mass of a body in the world."""
-    return body.local_to_world(body.center_of_gravity)
+def _numbers(read: Callable[[Any], float], parts: Sequence[Any]) -> Array:
+    """Numbers (N,) that a function of Chipmunk's reads of parts of a space."""
+    return np.array([*map(read, parts)], dtype=float)
+
+
+def vectors(found: Iterable[Any]) -> Array:
+    """Vectors (N, 2) of Chipmunk's as an array."""
+    return np.frombuffer(ffi.buffer(ffi.new("cpVect[]", [*found]))).reshape(-1, 2)
 
 
 def _elastic_energy(joint: pymunk.Constraint) -> float:

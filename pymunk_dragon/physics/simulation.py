@@ -11,17 +11,18 @@ from typing import Any
 import numpy as np
 
 from pymunk_dragon._arrays import Array, as_vectors
-from pymunk_dragon._checks import function
-from pymunk_dragon.errors import DragonError, UnreachableError
+from pymunk_dragon._checks import function, silent
+from pymunk_dragon.errors import DragonError
 from pymunk_dragon.model.contact import Contact, ContactEvent, ContactLog
 from pymunk_dragon.model.dragon import pose_step
-from pymunk_dragon.model.march import March, checked_times
+from pymunk_dragon.model.march import March, checked_times, states_while_reachable
 from pymunk_dragon.model.run import Outcome, Run, position_errors, versions
 from pymunk_dragon.model.settings import EngineSettings
+from pymunk_dragon.physics.assembly import GUIDES
 from pymunk_dragon.physics.contacts import Recorder
 from pymunk_dragon.physics.guide import PathGuide
 from pymunk_dragon.physics.substep import Motion
-from pymunk_dragon.physics.world import GUIDES, World
+from pymunk_dragon.physics.world import World
 
 # m: distance that the head travels between recorded frames. Between them poses are interpolated to
 # a micrometre.
@@ -50,7 +51,7 @@ def simulate(
     start: float = 0.0,
     until: float | None = None,
     on_event: Callable[[ContactEvent], None] | None = None,
-    progress: Callable[[float, float], None] | None = None,
+    progress: Callable[[float, float], None] = silent,
     **changes: Any,
 ) -> Run:
     """Play a march in Pymunk.
@@ -106,8 +107,7 @@ def simulate(
     world = World(march, guide, settings, start=start, until=until, **changes)
     if on_event is not None:
         function("on_event", on_event)
-    if progress is not None:
-        function("progress", progress)
+    function("progress", progress)
 
     loop = _Loop(world, Recorder(world, on_event))
     loop.play(until, progress)
@@ -149,7 +149,7 @@ class _Loop:
         """Simulated time, s."""
         return self._world.start + self.substeps * self._world.substep
 
-    def play(self, until: float, progress: Callable[[float, float], None] | None) -> None:
+    def play(self, until: float, progress: Callable[[float, float], None]) -> None:
         """Step until `until` s, the end of the march, or the first contact if it ends the run."""
         world = self._world
         settings = world.settings
@@ -169,8 +169,7 @@ class _Loop:
                     break
                 if self.substeps % per_frame == 0:
                     self._record(self.time, world.poses, world.velocities)
-                    if progress is not None:
-                        progress(self.time, until)
+                    progress(self.time, until)
             else:
                 self._record(self.time, world.poses, world.velocities)
                 self.outcome = "unreachable" if self._lost(until) else "clear"
@@ -248,18 +247,13 @@ def _waiting_head(world: World, total: int) -> Iterator[None]:
 
 def _exact_head(world: World, total: int) -> Iterator[None]:
     """Prepare up to `total` substeps, as far as the curve goes; the head has its exact states."""
-    for first in range(1, total + 1, _BLOCK):
-        numbers = np.arange(first, min(first + _BLOCK, total + 1))
-        times = world.start + numbers * world.substep
-        try:
-            states = world.march.at(times, handles=2)
-        except UnreachableError as error:
-            states = world.march.at(times[times < error.time], handles=2)
+    firsts = range(1, total + 1, _BLOCK)
+    numbers = (np.arange(first, min(first + _BLOCK, total + 1)) for first in firsts)
+    batches: Any = (world.start + number * world.substep for number in numbers)
+    for states in states_while_reachable(world.march, batches, 2):
         for row in range(len(states.times)):
             world.prepare(states, row)
             yield
-        if len(states.times) < len(times):
-            return
 
 
 def _provenance(world: World, until: float, substeps: int) -> dict[str, Any]:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from pymunk_dragon._arrays import Array
-from pymunk_dragon.collision.sat import Separation, separation
 from pymunk_dragon.model.contact import Contact
 from pymunk_dragon.model.dragon import Dragon, outlines
+
+if TYPE_CHECKING:
+    from pymunk_dragon.collision.sat import Separation
 
 # Two steps in a row differ in length by this ratio at most. Pymunk's solver begins a step with the
 # impulses of the step before. After a change by a ratio c, it begins the second step with impulses
@@ -59,6 +61,9 @@ class Motion(NamedTuple):
         The time is the start of the substep if they touched there already, and its end if they
         touch there by rounding.
         """
+        # Pages begin sooner without the search for contacts.
+        from pymunk_dragon.collision.sat import separation
+
         pair = list(contact.benches)
         sizes = dragon.lengths[pair], dragon.widths[pair]
 

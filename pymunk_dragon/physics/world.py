@@ -1,36 +1,25 @@
-"""The dragon as Pymunk bodies, shapes and joints; its head is kinematic or pulled by a motor."""
+"""A dragon in a Pymunk space, and the order of what happens in one of its steps."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
-from itertools import chain, pairwise
 from typing import Any
 
 import numpy as np
 import pymunk
 
 from pymunk_dragon._arrays import Array
-from pymunk_dragon._checks import finite, flag, instance, instances, whole, word
+from pymunk_dragon._checks import finite, flag, instance, whole
 from pymunk_dragon.errors import UnreachableError
-from pymunk_dragon.model.march import March, States, check_march, checked_times
+from pymunk_dragon.model.march import March, States
 from pymunk_dragon.model.settings import EngineSettings
-from pymunk_dragon.model.speed import MAX_TIME
+from pymunk_dragon.physics.assembly import Assembly
 from pymunk_dragon.physics.buffers import POSES, VELOCITIES, Buffers
-from pymunk_dragon.physics.dancers import Dancers
-from pymunk_dragon.physics.guide import NoGuide, PathGuide
+from pymunk_dragon.physics.guide import PathGuide
 from pymunk_dragon.physics.mid_torque import MidTorque
-from pymunk_dragon.physics.rails import Rails
 from pymunk_dragon.physics.readings import Contacts, JointForces
-from pymunk_dragon.physics.substep import next_length
 from pymunk_dragon.physics.warm_start import set_impulses
-
-# Guides that have a name, as in `simulate(guide=...)`.
-GUIDES: dict[str, type[PathGuide]] = {"rails": Rails, "none": NoGuide}
-
-# Coefficient of friction of wood on wood; it matters only where contacts are resolved.
-_FRICTION = 0.4
 
 # 1/s: rate at which the time of a march that stands approaches the time of the head's position.
 _RECOVERY_RATE = 5.0
@@ -48,13 +37,7 @@ _MAX_BRAKING = 1e6
 _WARM_START_SWEEPS = 2
 
 
-def top_speed(march: March, start: float, until: float | None) -> float:
-    """Highest speed of the head between two times, s, or until the end of the curve, m/s."""
-    end = march.end if until is None else min(until, march.end)
-    return march.speed_profile.fastest(start, max(start, end))
-
-
-class World:
+class World(Assembly):
     """A Pymunk space with a dragon at `start` on its march.
 
     Its state is read and written for all bodies at once. Each step is `prepare` or `follow`,
@@ -124,6 +107,8 @@ class World:
     True
     """
 
+    velocities: Array
+
     def __init__(
         self,
         march: March,
@@ -134,77 +119,26 @@ class World:
         until: float | None = None,
         **changes: Any,
     ) -> None:
-        check_march(march)
-        settings = EngineSettings() if settings is None else settings
-        instance("settings", settings, EngineSettings, "an EngineSettings")
-        start = finite("start", start, -MAX_TIME, MAX_TIME, "s")
-        if until is not None:
-            checked_times(march, start, until)
-
-        self.march = march
-        self.start = start
-        self.time = start
+        super().__init__(march, guide, settings, start, until, **changes)
+        self.time = self.start
         self.share = 1.0
-        self.guide = _guide_of(guide)
-        _check_free_from(self.guide, march)
-        self.top_speed = top_speed(march, start, until)
-
-        dragon = march.dragon
-        self.masses = dragon.masses
-        sizes = list(zip(dragon.lengths.tolist(), dragon.widths.tolist(), strict=True))
-        self.moments = dragon.moments
-
-        self.space = pymunk.Space()
-        # A contact is reported when the benches touch, not when they are a tenth of a metre deep.
-        self.space.collision_slop = 0.0
         self._forces = JointForces(self.space)
         self._contacts = Contacts(self.space)
-        self._motors: tuple[pymunk.Constraint, ...] = ()
-        self.pivots: list[pymunk.PivotJoint] = []
-        self._dancers = Dancers(
-            self.guide,
-            self.space,
-            self.pivots,
-            dragon,
-            self.masses,
-            self.top_speed,
-        )
-        self._rest()
-
-        # In this order: a guide reads the settings when it is attached, and its anchors and joints
-        # exist from then on. The warm start needs all joints, and makes steps in which benches must
-        # not touch.
-        self._given = settings
-        self.change(**changes)
-        state = march.at(start)
-        self.guide.attach(self)
-        self.guide.relocate(state)
-        _check_parts(self.guide, "anchors", self.guide.anchors, pymunk.Body)
-        self._add_bodies()
-        self._join()
         self._joints = len(self.space.constraints)
         self._buffers = Buffers(self.space, self.bodies, self._control, self.guide.anchors)
-        self._warm_start(state)
-        self._add_shapes(sizes)
-
-    def _rest(self) -> None:
-        """Set what a step leaves for the next one to that of benches at rest."""
-        benches = len(self.masses)
-        self.velocities = np.zeros((benches, 3))
-        # Half a step times the change of velocity in the last step.
-        self._shift = np.zeros((benches, 3))
         # Length of the next step over that of the last one, and the shift of its poses.
         self._ratio = 1.0
-        self._predicted = self._shift
-        # First of the benches that moved by the rules of second order in the last step.
-        self._pulled: int | None = None
+        self._predicted = np.zeros((len(self.bodies), 3))
         # The guide's forces in the last step, N, N, N m.
-        self._pushes = np.zeros((benches, 3))
+        self._pushes = np.zeros((len(self.bodies), 3))
         self._forget_forces()
+        # It needs all joints, and makes steps in which benches must not touch.
+        self._warm_start(march.at(self.start))
+        self._add_shapes()
 
     def _forget_forces(self) -> None:
         """Take the joints to carry nothing, so that the next step is one of first order."""
-        self._mid_torque = MidTorque(self.march.dragon, self.masses)
+        self._mid_torque = MidTorque(self.march.dragon)
 
     @property
     def joint_forces(self) -> Array:
@@ -234,95 +168,11 @@ class World:
             return False
         return len(self.space.constraints) > self._joints or self._contacts.push()
 
-    def change(self, **changes: Any) -> None:
-        """Change `substep`, gradually, `iterations` or `drag` from the next step on."""
-        self._given = replace(self._given, **changes)
-        self._apply_settings()
-
-    def _apply_settings(self) -> None:
-        """Use the given settings from the next step on.
-
-        The default head force follows from the drag that the head balances now.
-        """
-        pulled = self._dancers.pulled_mass()
-        self.settings = self._given.resolved(
-            top_speed=self.top_speed, pulled_mass=pulled, holds_all=self.guide.free_from is None
-        )
-        assert self.settings.iterations is not None  # Set by `resolved`.
-        self._choose_substep()
-        self.space.iterations = self.settings.iterations
-        self.drag_rate = self.settings.drag * self.top_speed
-        self.space.damping = math.exp(-self.drag_rate)
-        if self._motors:
-            pull, turn = self._motors
-            pull.max_force = self.settings.head_force or 0.0
-            # The torque is the force at half the length of the head.
-            turn.max_force = float(self.march.dragon.lengths[0]) / 2 * pull.max_force
-
-    def _choose_substep(self) -> None:
-        """Set the length of the next step, which approaches that of the settings."""
-        assert self.settings.substep is not None  # Set by `resolved`.
-        self.substep = next_length(self.space.current_time_step, self.settings.substep)
-
-    def _add_bodies(self) -> None:
-        """Add the bodies: the head is the control body, or has motors of finite force to it."""
-        self.bodies = list(map(pymunk.Body, self.masses.tolist(), self.moments.tolist()))
-        # A kinematic body that has the exact poses of the head.
-        self._control = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
-        if self.settings.head_force is None:
-            self.bodies[0] = self._control
-            self.space.add(*self.bodies)
-        else:
-            head = self.bodies[0]
-            self.space.add(*self.bodies, self._control)
-            pull = pymunk.PivotJoint(self._control, head, (0.0, 0.0), (0.0, 0.0))
-            turn = pymunk.GearJoint(self._control, head, 0.0, 1.0)
-            self._motors = pull, turn
-            self._apply_settings()
-            self._add_joints(*self._motors)
-
-    def _join(self) -> None:
-        """Add the pivots and the guide's joints; the package's docstring explains their order."""
-        half = self.march.dragon.spacings / 2
-        guiding = self._dancers.joints
-        for bench, (before, body) in enumerate(pairwise(self.bodies), start=1):
-            rear = (-half[bench - 1], 0.0)
-            front = (half[bench], 0.0)
-            pivot = pymunk.PivotJoint(before, body, rear, front)
-            pivot.collide_bodies = False
-            self.pivots.append(pivot)
-
-            joints = self.guide.joints(bench, body)
-            _check_parts(self.guide, "joints", joints, pymunk.Constraint)
-            guiding.append(joints)
-
-        if self.settings.contacts == "resolve":
-            pairs = zip(self.pivots, guiding, strict=True)
-            self._add_joints(*chain.from_iterable((pivot, *joints) for pivot, joints in pairs))
-        else:
-            self._add_joints(*self.pivots, *chain.from_iterable(guiding))
-
-    def _add_joints(self, *joints: pymunk.Constraint) -> None:
-        """Add joints, which correct errors at a rate per metre marched.
-
-        The drag has such a rate too, so that a faster march has the same poses.
-        """
-        for joint in joints:
-            joint.error_bias **= self.top_speed
-        self.space.add(*joints)
-
-    def _add_shapes(self, sizes: list[tuple[float, float]]) -> None:
-        """Add the benches' rectangles of given lengths and widths, m."""
-        pairs = zip(self.bodies, sizes, strict=True)
-        self.shapes = [pymunk.Poly.create_box(body, size) for body, size in pairs]
-        for shape in self.shapes:
-            shape.friction = _FRICTION
-        self.space.add(*self.shapes)
-
     def read(self) -> None:
         """Take `poses` and `velocities` from the space."""
         self.collided_poses = self._buffers.read(POSES)
         velocities = self._buffers.read(VELOCITIES)
+        # Half a step times the change of velocity.
         self._shift = self.substep / 2 * (velocities - self.velocities)
         first = self._pulled
         if first is not None:
@@ -422,7 +272,7 @@ class World:
         if self.returning:
             exact = self.march.at(self.time)
             if self._dancers.carry(exact, share, self.poses, self.substep):
-                self._apply_settings()
+                self.change()
         self.prepare(states, share=share)
         return goes_on
 
@@ -433,6 +283,7 @@ class World:
         self.guide.update(coming, hinge_velocity, buffers.anchors, self._pushes)
         self._dancers.limit(self._pushes)
         buffers.forces[:] = self._pushes
+        # First of the benches that move by the rules of second order in this step.
         self._pulled = self._pulled_from
         if self._pulled is not None:
             turns = coming[:, 2] - self.poses[:, 2]
@@ -509,16 +360,6 @@ class World:
             self._mid_torque.after_step(free, buffers.forces)
             self._shift[first:] = self.substep / 2 * (free - before)[first:]
 
-    @property
-    def free_from(self) -> int | None:
-        """First of the benches that nothing holds on the path; None if all are held."""
-        return self._dancers.free_from
-
-    @property
-    def returning(self) -> bool:
-        """Whether dancers carry benches back."""
-        return self._dancers.returning
-
     def release(self, bench: int) -> None:
         """Let the dancers of `bench`, from 1 on, and of all behind it go."""
         bench = whole("bench", bench, 1, len(self.pivots))
@@ -526,22 +367,7 @@ class World:
             # Forces of an earlier time without dancers are no longer true.
             self._forget_forces()
         self._dancers.release(bench, self.settings.drag)
-        self._apply_settings()
-
-    def hold(self) -> None:
-        """Have the dancers carry the free benches, over all others, to their exact positions."""
-        self._dancers.hold(self.bodies)
-        self._apply_settings()
-
-    def cut(self, joint: int) -> None:
-        """Cut the joint between the benches `joint` and `joint` + 1.
-
-        Dancers behind it no longer walk. The two benches still pass over each other: they overlap,
-        and would be thrown apart.
-        """
-        joint = whole("joint", joint, 0, len(self.pivots) - 1)
-        self._dancers.cut(joint, self.settings.drag)
-        self._apply_settings()
+        self.change()
 
 
 def _moulton(ratio: float) -> float:
@@ -556,23 +382,3 @@ def _set_velocities(bodies: Sequence[pymunk.Body], velocities: Array) -> None:
     for body, (vx, vy, spin) in zip(bodies, velocities.tolist(), strict=True):
         body.velocity = vx, vy
         body.angular_velocity = spin
-
-
-def _guide_of(guide: str | PathGuide) -> PathGuide:
-    """The guide, or a new one of the given name."""
-    if isinstance(guide, PathGuide):
-        return guide
-    return GUIDES[word("guide", guide, GUIDES)]()
-
-
-def _check_free_from(guide: PathGuide, march: March) -> None:
-    """Raise a ParameterError if the `free_from` of a guide is no bench behind the head."""
-    if guide.free_from is not None:
-        name = f"{type(guide).__name__}.free_from"
-        whole(name, guide.free_from, 1, march.dragon.benches - 1)
-
-
-def _check_parts(guide: PathGuide, member: str, value: object, kind: type) -> None:
-    """Raise a ParameterError if a guide's `member` is no list or tuple of objects of the `kind`."""
-    name = f"{type(guide).__name__}.{member}"
-    instances(name, value, kind, f"a list or tuple of pymunk.{kind.__name__}")

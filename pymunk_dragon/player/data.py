@@ -8,8 +8,6 @@ split into planes of bytes, the lowest first: the high bytes of small numbers ar
 which compress well.
 """
 
-from __future__ import annotations
-
 import zlib
 from base64 import b64encode
 from dataclasses import asdict
@@ -19,9 +17,9 @@ import numpy as np
 
 from pymunk_dragon._arrays import Array
 from pymunk_dragon.collision import Grid
-from pymunk_dragon.drawing.scene import hole_diameter
 from pymunk_dragon.errors import UnreachableError
 from pymunk_dragon.model.contact import ContactWindow
+from pymunk_dragon.model.dragon import hole_diameter
 from pymunk_dragon.model.run import Run, position_errors
 from pymunk_dragon.reports.summary import Summary
 from pymunk_dragon.web.curve import CURVE_ERROR, curve_points
@@ -55,7 +53,7 @@ def player_data(summary: Summary) -> tuple[dict[str, Any], dict[str, str]]:
     run = summary.run
     dragon = run.march.dragon
     narrowest = float(dragon.widths.min())
-    begin, end = run.times[[0, -1]].tolist()
+    begin, end = run.interval
 
     positions, position_error = _pack_handles(dragon.holes(run.poses), STEP * narrowest)
     interval = 1.0

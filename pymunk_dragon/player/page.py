@@ -1,12 +1,10 @@
 """The player page: one self-contained HTML file with its style, script and data."""
 
-from __future__ import annotations
-
 from html import escape
 from itertools import chain
 from pathlib import Path
 
-from pymunk_dragon._files import check_destination, written_in_place
+from pymunk_dragon._files import check_destination, write_text
 from pymunk_dragon._language import in_language, language
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model.run import Run
@@ -44,11 +42,7 @@ def write_player(run: Run, path: str | Path, *, title: str | None = None) -> Non
     >>> write_player(Run.exact(March(Dragon(benches=8)), [0.0, 1.0]), "run.html")
     """
     destination = check_destination(path, PLAYER_ENDINGS)
-    page = player_page(run, title=title)
-    with written_in_place(destination) as draft:
-        # Bytes, since text mode would convert line ends, and the hashes of script and style would
-        # no longer match.
-        draft.write_bytes(page.encode("utf-8"))
+    write_text(destination, player_page(run, title=title))
 
 
 def player_page(run: Run, *, title: str | None = None) -> str:

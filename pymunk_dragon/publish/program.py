@@ -1,7 +1,5 @@
 """The program of a user's that is published: what it needs, and the first picture of its scene."""
 
-from __future__ import annotations
-
 import ast
 import runpy
 import sys

@@ -1,7 +1,5 @@
 """What runs a published page: Pyodide, from its CDN or a local copy, and wheels of libraries."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from collections.abc import Iterator

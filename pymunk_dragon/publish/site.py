@@ -1,7 +1,5 @@
 """A folder for a web server: pages whose engine runs in the browser."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress

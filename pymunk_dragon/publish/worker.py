@@ -1,7 +1,5 @@
 """The session of a published page, which Pyodide runs in a worker of the page."""
 
-from __future__ import annotations
-
 import builtins
 import io
 import os

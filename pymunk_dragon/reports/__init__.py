@@ -2,8 +2,8 @@
 
 `report` and `pymunk-dragon report` take the format from the file's ending. A report has the
 scenario, the first contact, the near misses, the contacts of the run in the order of time, speeds,
-and the drift from the exact model. Pages and sheets need `pip install 'pymunk-dragon[report]'`; a
-page has a chart if matplotlib is installed (`pymunk-dragon[figures]`).
+and the drift from the exact model. Pages, sheets and tables for LaTeX need `pip install
+'pymunk-dragon[report]'`; a page has a chart if matplotlib is installed (`pymunk-dragon[figures]`).
 
 ```console
 $ pymunk-dragon simulate --from 405 --until 416 --contacts report -o windows.npz

@@ -1,7 +1,5 @@
 """Tables of any march: XLSX files in the contest's layout, and the tables of the paper as text."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from datetime import datetime
@@ -58,7 +56,7 @@ def write_tables(march: March, times: ArrayLike, path: str | Path) -> None:
         raise ParameterError("times", t.size, bound)
 
     states = march.at(t)
-    labels = [f"{time + 0.0:.12g} s" for time in t.tolist()]
+    labels = [f"{time:z.12g} s" for time in t.tolist()]
     names = _handle_names(march.dragon.handles)
     coordinate_names = [f"{name}{axis} (m)" for name in names for axis in "xy"]
     # In the templates two spaces precede the unit of all speeds but the first and the last.

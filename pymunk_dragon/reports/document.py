@@ -1,7 +1,5 @@
 """Text of a report, the same in Markdown and HTML: headline, subtitle, and sections with tables."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
@@ -100,9 +98,7 @@ def headline(summary: Summary) -> str:
         template = text("The dragon from {begin} to {end}")
     else:
         template = text("No contact from {begin} to {end}")
-    begin, end = run.times[[0, -1]].tolist()
-    begin = _number(begin, 3, " s")
-    end = _number(end, 3, " s")
+    begin, end = (_number(time, 3, " s") for time in run.interval)
     return template.format(begin=begin, end=end)
 
 
@@ -350,9 +346,7 @@ def _number(value: float | None, decimals: int, unit: str = "", *, scale: float 
     """`value * scale` with `decimals` digits after the decimal point, never `-0`, and the unit."""
     if value is None or not math.isfinite(value):
         return _MISSING
-    # Adding 0 turns the -0.0 of a rounded tiny number into 0.0.
-    rounded = round(value * scale, decimals) + 0.0
-    return f"{rounded:.{decimals}f}{unit}"
+    return f"{value * scale:z.{decimals}f}{unit}"
 
 
 def _size(value: float) -> str:

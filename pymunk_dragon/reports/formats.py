@@ -3,8 +3,6 @@
 `FORMATS` has an entry for each of them.
 """
 
-from __future__ import annotations
-
 import csv
 import io
 import json
@@ -17,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from pymunk_dragon._extras import is_installed
-from pymunk_dragon._files import check_destination, written_in_place
+from pymunk_dragon._files import check_destination, write_text
 from pymunk_dragon._language import language, text
 from pymunk_dragon.drawing import Camera, Film, still_png
 from pymunk_dragon.drawing.figures import figure, svg_of
@@ -83,10 +81,7 @@ def report(run: Run, path: str | Path) -> None:
     >>> report(run, "report.html")
     """
     destination = check_destination(path, FORMATS)
-    content = FORMATS[destination.suffix.lower()](summarize(run))
-    with written_in_place(destination) as draft:
-        # Bytes, since text mode would convert line ends, and CSV requires CR LF.
-        draft.write_bytes(content.encode("utf-8"))
+    write_text(destination, FORMATS[destination.suffix.lower()](summarize(run)))
 
 
 def _csv_text(summary: Summary) -> str:
@@ -185,7 +180,7 @@ def contact_pictures(run: Run) -> list[tuple[str, str]]:
     They show the first contact, or else the end of the run.
     """
     contact = run.first_contact
-    begin, time = run.times[[0, -1]].tolist()
+    begin, time = run.interval
     span = _CLOSE_SPAN
     if contact is not None:
         time = min(max(contact.time, begin), time)

@@ -1,14 +1,12 @@
 """All five answers as one HTML page, with figures and the derivation in formulas."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from pymunk_dragon._checks import instance
-from pymunk_dragon._files import check_destination, written_in_place
+from pymunk_dragon._files import check_destination, write_text
 from pymunk_dragon._language import language, text
 from pymunk_dragon.drawing.figures import figure, svg_of
 from pymunk_dragon.model.run import Run
@@ -59,16 +57,13 @@ def write_paper(found: Paper, path: str | Path) -> None:
         figures=_figures(found),
         sensitivities=_sensitivities(found),
     )
-    with written_in_place(destination) as draft:
-        draft.write_bytes(page.encode("utf-8"))
+    write_text(destination, page)
 
 
 def _state(row: Sequence[float]) -> list[str]:
     """Cells of the time, handle, position and speed of a state."""
     time, handle, *values = row
-    # Adding 0 turns the -0.0 of a rounded tiny number into 0.0.
-    numbers = [f"{round(value, 6) + 0.0:.6f}" for value in values]
-    return [f"{time:g}", str(handle), *numbers]
+    return [f"{time:g}", str(handle), *(f"{value:z.6f}" for value in values)]
 
 
 def _sensitivities(found: Paper) -> Table:

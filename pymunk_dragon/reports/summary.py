@@ -1,7 +1,5 @@
 """Summary of a run: the data that all report formats and the player page are made from."""
 
-from __future__ import annotations
-
 import json
 import math
 from contextlib import suppress
@@ -105,8 +103,8 @@ class Summary:
         exact = self.exact
         outcome = {
             "status": run.outcome,
-            "start": run.times[0],
-            "until": run.times[-1],
+            "start": run.interval[0],
+            "until": run.interval[1],
             "frames": len(run.times),
             "events": len(run.events),
         }
@@ -138,7 +136,7 @@ def summarize(run: Run) -> Summary:
     [(0, 9), (0, 11)]
     """
     instance("run", run, Run, "a Run")
-    start, until = run.times[[0, -1]].tolist()
+    start, until = run.interval
     # The first contact of a guided run may be slightly before the exact one.
     if run.first_contact and run.free_from is None:
         until = min(run.march.end, 2 * until - start)

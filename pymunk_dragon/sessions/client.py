@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.sessions.messages import Ping, read_message
+from pymunk_dragon.sessions.messages import Ping, Show, read_message
 
 if TYPE_CHECKING:
     from pymunk_dragon.sessions.session import Session
@@ -28,6 +28,8 @@ class Client:
     controls = True
     # The shapes that the page was sent last.
     outlines = b""
+    # Whether frames need the contacts.
+    shows_contacts = True
 
     def take(self, text: str) -> None:
         """Take a text of the page; an answer follows if it is no message that the page may send."""
@@ -35,10 +37,14 @@ class Client:
             message = read_message(json.loads(text))
             if isinstance(message, Ping):
                 self.tell({"kind": "pong", "id": message.id})
+            elif isinstance(message, Show):
+                self.shows_contacts = message.contacts
             elif self.controls:
                 self.session.receive(self, message)
             else:
-                raise ParameterError("message", message.do, "ping, as this page only watches")
+                raise ParameterError(
+                    "message", message.do, "ping or show, as this page only watches"
+                )
         except (ValueError, RecursionError) as error:
             self.tell({"kind": "error", "text": str(error)})
 

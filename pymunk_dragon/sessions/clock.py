@@ -1,7 +1,5 @@
 """When steps, pictures and values of charts are due, and how many events a second are sent."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

@@ -1,7 +1,5 @@
 """Sliders, buttons and keys by which a page changes a space."""
 
-from __future__ import annotations
-
 import math
 from collections import defaultdict
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """The dragon, played live beside its exact model."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -10,14 +8,15 @@ import pymunk
 
 from pymunk_dragon._arrays import Array
 from pymunk_dragon._checks import word
-from pymunk_dragon.drawing.debug_draw import DrawCall
-from pymunk_dragon.drawing.scene import hole_diameter
+from pymunk_dragon.model.dragon import hole_diameter
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import position_errors
 from pymunk_dragon.model.scenario import Scenario
 from pymunk_dragon.model.settings import MAX_STRIDE, EngineSettings
+from pymunk_dragon.physics.assembly import top_speed
+from pymunk_dragon.physics.draw_calls import DrawRecorder
 from pymunk_dragon.physics.readings import arbiter_rows, impulse_of, joint_at
-from pymunk_dragon.physics.world import World, top_speed
+from pymunk_dragon.physics.world import World
 from pymunk_dragon.sessions.controls import Slider, slider_around
 from pymunk_dragon.sessions.scene import PlaySettings, Scene
 from pymunk_dragon.web.curve import CURVE_ERROR, curve_points
@@ -43,6 +42,8 @@ _OBSTACLE = -1
 class DragonScene(Scene):
     """A dragon whose head is pulled along a march; see `Scene` and `World`."""
 
+    # The joints of the dancers are not drawn.
+    drawn = DrawRecorder.DRAW_SHAPES
     shown = ("curve", "exact", "contacts")
 
     def __init__(
@@ -196,10 +197,6 @@ class DragonScene(Scene):
         found = joint_at(self.joints(), x, y, slip)
         pivots: Sequence[pymunk.Constraint] = self.world.pivots
         self.world.cut(pivots.index(found))
-
-    def drawn_joints(self) -> Iterator[DrawCall]:
-        """Nothing of the joints of the dancers."""
-        return iter(())
 
     def shapes(self) -> list[pymunk.Shape]:
         """The shapes of the benches; where two overlap, that of the lower number is on top."""

@@ -10,9 +10,8 @@ import pymunk
 from pymunk.space_debug_draw_options import SpaceDebugColor as Colour
 
 from pymunk_dragon._checks import MAX_COORDINATE, finite, label, positive, whole
-from pymunk_dragon.drawing.debug_draw import DrawCall, colour
 from pymunk_dragon.errors import ParameterError
-from pymunk_dragon.sessions.joints import COLOUR
+from pymunk_dragon.physics.draw_calls import DrawCall
 
 # Calls in a picture: so many take about the time of a picture, in Python and in the page.
 MAX_CALLS = 2000
@@ -23,6 +22,8 @@ _MAX_SIZE = 200
 # Barbs of an arrow: length over that of the arrow, and angle to its shaft, rad.
 _BARB_LENGTH = 0.2
 _BARB_ANGLE = 0.4
+# That of Pymunk's constraints, which differs from the ground of light and dark pages.
+_COLOUR = (142, 68, 173, 255)
 _CLEAR = Colour(0, 0, 0, 0)
 
 _Point = tuple[float, float]
@@ -62,7 +63,7 @@ class Draw:
         # Trails of points so far.
         self._tips = 0
 
-    def line(self, a: _Point, b: _Point, *more: _Point, color: _ColourLike = COLOUR) -> None:
+    def line(self, a: _Point, b: _Point, *more: _Point, color: _ColourLike = _COLOUR) -> None:
         """Draw a line through two or more points.
 
         Parameters
@@ -92,7 +93,7 @@ class Draw:
         center: _Point,
         radius: float,
         *,
-        color: _ColourLike = COLOUR,
+        color: _ColourLike = _COLOUR,
         fill: _ColourLike | None = None,
     ) -> None:
         """Draw a circle.
@@ -120,11 +121,11 @@ class Draw:
         self._count()
         around = _point("center", center)
         radius = positive("radius", radius, MAX_COORDINATE, "")
-        inside = _CLEAR if fill is None else colour("fill", fill)
+        inside = _CLEAR if fill is None else _colour("fill", fill)
         # Pymunk's own circles have a line that shows how they turn.
-        self.calls.append(DrawCall("polygon", (around,), radius, inside, colour("color", color)))
+        self.calls.append(DrawCall("polygon", (around,), radius, inside, _colour("color", color)))
 
-    def arrow(self, begin: _Point, end: _Point, *, color: _ColourLike = COLOUR) -> None:
+    def arrow(self, begin: _Point, end: _Point, *, color: _ColourLike = _COLOUR) -> None:
         """Draw an arrow, whose head is a fifth of its length.
 
         Parameters
@@ -152,7 +153,7 @@ class Draw:
         self._line([tail, tip, barbs[0], tip, barbs[1]], color)
 
     def trail(
-        self, of: pymunk.Body | _Point, last: int = 100, *, color: _ColourLike = COLOUR
+        self, of: pymunk.Body | _Point, last: int = 100, *, color: _ColourLike = _COLOUR
     ) -> None:
         """Draw a line through the last places of a body or a point in the pictures before.
 
@@ -216,13 +217,13 @@ class Draw:
         self._count()
         size = positive("size", size, _MAX_SIZE, "pixels")
         place = _point("point", point)
-        ink = None if color is None else colour("color", color)
+        ink = None if color is None else _colour("color", color)
         self.texts.append((*place, label("text", text), size, ink))
 
     def _line(self, points: Iterable[_Point], color: _ColourLike) -> None:
         """Record a line."""
         self._count()
-        self.calls.append(DrawCall("line", (*points,), 0.0, colour("color", color)))
+        self.calls.append(DrawCall("line", (*points,), 0.0, _colour("color", color)))
 
     def _count(self) -> None:
         """Raise an error if there are too many calls."""
@@ -239,3 +240,19 @@ def _point(name: str, value: Any) -> _Point:
         raise ParameterError(name, value, "two numbers, x and y") from None
     across = finite(name, x, -MAX_COORDINATE, MAX_COORDINATE, "")
     return across, finite(name, y, -MAX_COORDINATE, MAX_COORDINATE, "")
+
+
+def _colour(name: str, value: Any) -> Colour:
+    """A colour of Pymunk's from a name, a text as "#rrggbb", or three or four numbers."""
+    try:
+        numbers: Any = value
+        if isinstance(value, str):
+            # Pages that name no colour begin sooner without it.
+            from PIL import ImageColor
+
+            numbers = ImageColor.getcolor(value, "RGBA")
+        red, green, blue, *alpha = (finite(name, each, 0, 255, "") for each in numbers)
+        return Colour(red, green, blue, *alpha or [255])
+    except (TypeError, ValueError):
+        bound = "the name of a colour, #rrggbb, or 3 or 4 numbers from 0 to 255"
+        raise ParameterError(name, value, bound) from None

@@ -1,7 +1,5 @@
 """Sessions that have not ended: those of a notebook's cell, and those of a program at its end."""
 
-from __future__ import annotations
-
 import atexit
 import sys
 from importlib.util import find_spec

@@ -1,7 +1,5 @@
 """What clients hold: a body, keys, and buttons of the pointer; released when the clients leave."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from dataclasses import replace
 

@@ -3,62 +3,67 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 import pymunk
-from pymunk.space_debug_draw_options import SpaceDebugColor
 
-from pymunk_dragon._arrays import Array
-from pymunk_dragon.drawing.debug_draw import DrawCall
+from pymunk_dragon._arrays import Array, as_complex, as_vectors
 from pymunk_dragon.physics.readings import sleeps
+from pymunk_dragon.web.frames import KINDS
 
-# That of Pymunk's constraints, which differs from the ground of light and dark pages.
-COLOUR = SpaceDebugColor(142, 68, 173, 255)
 # Points of a spring of Chipmunk's along its length.
 _ALONG = np.array([0, 0.2, *np.linspace(0.25, 0.75, 11), 0.8, 1])
 # Their distances from it, in units of the space.
 _ACROSS = np.array([0, 0, 3, -6, 6, -6, 6, -6, 6, -6, 6, -3, 6, 0, 0])
-# Length of a spring, pixels, as wide as those in metres are in proportion.
+# Length of a spring in pixels that is as wide, in proportion, as springs in other units.
 _COILED = 40.0
 # Radius of the ends of joints, pixels.
 _DOT = 5.0
 
 
-def joint_calls(space: pymunk.Space, rows: Array, units: str) -> Iterator[DrawCall]:
-    """Dots and lines of the joints of a space that are awake; their ends begin the `rows` (J, 4+).
+def joint_numbers(space: pymunk.Space, ends: Array, units: str) -> Array:
+    """Dots and lines of the joints of a space that are awake, as `packed` has them.
 
-    Chipmunk's coils are made for pixels: a spring in metres has coils in proportion to its length.
+    The `ends` (J, 4) are in the world. All have one colour: their order does not matter. Chipmunk's
+    coils are made for pixels: in other units, a spring has coils in proportion to its length.
     """
-    begin, end = rows[:, :2], rows[:, 2:4]
-    along = end - begin
-    length = np.hypot(*along.T)[:, None]
-    # A spring without a length has no direction, and no line.
-    width = np.where(length > 0, length, np.nan) if units == "px" else _COILED
-    across = along[:, ::-1] * (-1, 1) / width
-    coils = begin[:, None] + along[:, None] * _ALONG[:, None] + across[:, None] * _ACROSS[:, None]
-
     can_sleep = math.isfinite(space.sleep_time_threshold)
-    found = zip(space.constraints, begin.tolist(), end.tolist(), coils.tolist(), strict=True)
-    for joint, a, b, coil in found:
+    dots: list[list[float]] = []
+    lines: list[list[float]] = []
+    springs: list[list[float]] = []
+    for joint, both in zip(space.constraints, ends.tolist(), strict=True):
         if can_sleep and sleeps(joint):
             continue
-        dots = [a, b]
-        line: list[Any] = []
+        a, b = both[:2], both[2:]
         match joint:
             case pymunk.DampedSpring():
-                line = coil if a != b else []
+                # Without a length it has no direction, and no line.
+                if a != b:
+                    springs.append(both)
             case pymunk.PinJoint() | pymunk.SlideJoint():
-                line = dots
+                lines.append(both)
             case pymunk.GrooveJoint():
-                line = [a, joint.a.local_to_world(joint.groove_b)]
-                dots = [b]
+                lines.append([*a, *joint.a.local_to_world(joint.groove_b)])
+                dots.append(b)
+                continue
             case pymunk.PivotJoint():
                 pass
             case _:
                 continue
-        for dot in dots:
-            yield DrawCall("dot", (dot,), _DOT, COLOUR)
-        if line:
-            yield DrawCall("line", tuple(line), 0.0, COLOUR)
+        dots += [a, b]
+
+    begin, end = as_complex(np.reshape(springs, (-1, 2, 2))).T
+    along = (end - begin)[:, None]
+    width = abs(along) if units == "px" else _COILED
+    coils = begin[:, None] + along * (_ALONG + 1j * _ACROSS / width)
+    calls = [_calls("dot", 1, dots, _DOT), _calls("line", 2, lines)]
+    calls.append(_calls("line", len(_ALONG), as_vectors(coils)))
+    return np.concatenate(calls)
+
+
+def _calls(kind: str, count: int, points: Any, radius: float = 0.0) -> Array:
+    """Calls of a kind, of which each has so many points, in the colour with the number 0."""
+    rows = np.reshape(points, (-1, 2 * count))
+    head = [KINDS[kind], count, radius, 0, 0, -1, 0]
+    return np.hstack([np.tile(head, (len(rows), 1)), rows]).ravel()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import sys
-import webbrowser
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, suppress
 from dataclasses import replace
@@ -71,6 +70,9 @@ class Live(AbstractContextManager["Live"]):
         ends.begin(self, session)
         if not ends.has_widgets():
             address = self.address
+            # Published pages begin sooner without it.
+            import webbrowser
+
             self.shown = browser and webbrowser.open(address)
         session.start()
 

@@ -24,11 +24,20 @@ _MAX_SPEED = 20.0
 _MAX_NOTCHES = 100.0
 
 
+# Classes of messages by their names in JSON.
+KINDS: dict[str, type[Message]] = {}
+
+
 @dataclass(frozen=True, kw_only=True)
 class Message:
     """A message of a page; its fields are the arguments in JSON, beside the name `do`."""
 
     do: ClassVar[str]
+
+    def __init_subclass__(cls) -> None:
+        """Register a class that has a name of its own."""
+        if "do" in vars(cls):
+            KINDS[cls.do] = cls
 
     def key(self) -> object:
         """Key by which a later message replaces this one while it waits, or None."""
@@ -135,6 +144,18 @@ class Ping(Message):
         whole("id", self.id, -_MAX_WHOLE, _MAX_WHOLE)
 
 
+@dataclass(frozen=True, kw_only=True)
+class Show(Message):
+    """Have frames with the contacts, or without them: a page gets no others than it shows."""
+
+    do = "show"
+
+    contacts: bool
+
+    def __post_init__(self) -> None:
+        flag("contacts", self.contacts)
+
+
 # ---- inputs
 
 
@@ -163,17 +184,27 @@ class Set(Input):
 
 @dataclass(frozen=True, kw_only=True)
 class _At(Input):
-    """An input at a point, which may miss its target by `slip`."""
+    """An input at a point."""
 
     x: float
     y: float
+
+    def __post_init__(self) -> None:
+        self._check(MAX_COORDINATE, "x", "y")
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Near(_At):
+    """An input at a point, which may miss its target by `slip`."""
+
     slip: float
 
     def __post_init__(self) -> None:
-        self._check(MAX_COORDINATE, "x", "y", "slip")
+        super().__post_init__()
+        self._check(MAX_COORDINATE, "slip")
 
 
-class Grab(_At):
+class Grab(_Near):
     """Hold the body that is drawn on top at a point, or the nearest within `slip`."""
 
     do = "grab"
@@ -183,17 +214,10 @@ class Grab(_At):
         scene.grab(self.x, self.y, self.slip)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Drag(Input):
+class Drag(_At):
     """Pull the body that is held towards a point."""
 
     do = "drag"
-
-    x: float
-    y: float
-
-    def __post_init__(self) -> None:
-        self._check(MAX_COORDINATE, "x", "y")
 
     def key(self) -> object:
         """One key for all: of many points that wait, the last is the pointer's."""
@@ -214,7 +238,7 @@ class Drop(Input):
         scene.drop()
 
 
-class Cut(_At):
+class Cut(_Near):
     """Cut the joint within `slip` of a point."""
 
     do = "cut"
@@ -225,20 +249,18 @@ class Cut(_At):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Obstacle(Input):
+class Obstacle(_At):
     """Add an obstacle, "round" or "square", `size` in diameter or side."""
 
     do = "obstacle"
 
     shape: str
-    x: float
-    y: float
     size: float
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         word("shape", self.shape, ("round", "square"))
         positive("size", self.size, MAX_COORDINATE, "")
-        self._check(MAX_COORDINATE, "x", "y")
 
     def apply(self, scene: Scene) -> None:
         """Change a scene."""
@@ -280,17 +302,15 @@ class Press(Input):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Click(Input):
+class Click(_At):
     """Click at a point, for a program with `on_click`."""
 
     do = "click"
 
-    x: float
-    y: float
     button: int
 
     def __post_init__(self) -> None:
-        self._check(MAX_COORDINATE, "x", "y")
+        super().__post_init__()
         whole("button", self.button, 1, 3)
 
     def apply(self, scene: Scene) -> None:
@@ -299,18 +319,16 @@ class Click(Input):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Pointer(Input):
+class Pointer(_At):
     """Move the pointer of a pygame program; a button goes "down" or "up", or none: "move"."""
 
     do = "pointer"
 
-    x: float
-    y: float
     kind: str
     button: int
 
     def __post_init__(self) -> None:
-        self._check(MAX_COORDINATE, "x", "y")
+        super().__post_init__()
         word("kind", self.kind, ("down", "move", "up"))
         whole("button", self.button, 1, 3)
 
@@ -376,35 +394,6 @@ class Hold(Input):
     def apply(self, scene: Scene) -> None:
         """Change a scene."""
         _dragon_of(scene, self).world.hold()
-
-
-_MESSAGES: tuple[type[Message], ...] = (
-    Play,
-    UntilContact,
-    Pause,
-    Reset,
-    Step,
-    Speed,
-    ChangeScene,
-    Ping,
-    # Inputs.
-    Set,
-    Grab,
-    Drag,
-    Drop,
-    Cut,
-    Obstacle,
-    Remove,
-    Press,
-    Click,
-    Pointer,
-    Wheel,
-    Contacts,
-    Release,
-    Hold,
-)
-# Classes of messages by their names in JSON.
-KINDS = {each.do: each for each in _MESSAGES}
 
 
 def read_message(found: object) -> Message:

@@ -12,12 +12,12 @@ import pymunk
 from pymunk import batch
 
 # Chipmunk's own functions: those of Pymunk take five times as long for the corners of a polygon.
-from pymunk._chipmunk_cffi import ffi, lib
+from pymunk._chipmunk_cffi import lib
 from pymunk.batch import BodyFields
 
 from pymunk_dragon._arrays import Array
-from pymunk_dragon.drawing.debug_draw import DrawCall, DrawRecorder
-from pymunk_dragon.physics.readings import grip
+from pymunk_dragon.physics.draw_calls import DrawCall, DrawRecorder
+from pymunk_dragon.physics.readings import grip, vectors
 from pymunk_dragon.web.frames import in_binary, packed
 
 # Distance at which two points are the same, units of the space: rounding.
@@ -74,8 +74,15 @@ class Outlines:
             # A polygon may have fewer corners than before.
             return None
         found = chain.from_iterable(map(starmap, self._points, self._points.values()))
-        points = ffi.new("cpVect[]", [*found])
-        return numbers, bytes(ffi.buffer(points)), [*map(_own_colour, self._shapes)], ids
+        return numbers, vectors(found).tobytes(), self._colours(), ids
+
+    def _colours(self) -> dict[pymunk.Shape, tuple[float, ...]]:
+        """The colours that shapes have themselves, or by their classes."""
+        coloured: Any = self._shapes
+        if not any(hasattr(kind, "color") for kind in {*map(type, coloured)}):
+            # Pymunk's shapes are slow to tell that they have none.
+            coloured = [shape for shape in coloured if "color" in vars(shape)]
+        return {shape: tuple(shape.color) for shape in coloured if hasattr(shape, "color")}
 
     def _draw(self, ids: bytes) -> None:
         """Draw the shapes."""
@@ -134,9 +141,3 @@ class Outlines:
         self._numbers[lib.cpPolyShapeGetRadius].append(raw)
         self._points[lib.cpPolyShapeGetVert] += [(raw, i) for i in range(len(corners))]
         return corners
-
-
-def _own_colour(shape: Any) -> tuple[float, ...] | None:
-    """The colour that a shape has itself; Pymunk's shapes are slow to tell that they have none."""
-    has_one = "color" in vars(shape) or hasattr(type(shape), "color")
-    return tuple(shape.color) if has_one else None

@@ -1,7 +1,5 @@
 """The page of a live session, which the server and the widget of notebooks show."""
 
-from __future__ import annotations
-
 from functools import cache
 from html import escape
 

@@ -1,7 +1,5 @@
 """Recordings of what was done to a scene: made, read from a file and checked, and played again."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Iterator, Mapping

@@ -1,7 +1,5 @@
 """The state of a space at first, and how the space gets it back."""
 
-from __future__ import annotations
-
 import inspect
 import math
 from collections.abc import Iterable, Sequence

@@ -15,8 +15,8 @@ import pymunk
 
 from pymunk_dragon._arrays import Array
 from pymunk_dragon._checks import number, word
-from pymunk_dragon.drawing.debug_draw import DrawCall, DrawRecorder, area, still
 from pymunk_dragon.errors import DragonError, ParameterError
+from pymunk_dragon.physics.draw_calls import DrawRecorder, area
 from pymunk_dragon.physics.readings import (
     QUANTITIES,
     Readings,
@@ -30,7 +30,7 @@ from pymunk_dragon.physics.readings import (
 from pymunk_dragon.physics.substep import next_length
 from pymunk_dragon.sessions.controls import Button, Key, PygameEvents, Slider, slider_around
 from pymunk_dragon.sessions.draw import Draw
-from pymunk_dragon.sessions.joints import joint_calls
+from pymunk_dragon.sessions.joints import joint_numbers
 from pymunk_dragon.sessions.outlines import Outlines
 from pymunk_dragon.web.frames import in_binary, packed
 
@@ -73,8 +73,12 @@ class PlaySettings:
 class Scene:
     """Any Pymunk space, drawn as Pymunk's debug drawing draws it."""
 
+    # What pictures and the page show of Pymunk's debug drawing; contacts are sent apart.
+    drawn = DrawRecorder.DRAW_SHAPES | DrawRecorder.DRAW_CONSTRAINTS
     # Words of `PARTS` that the page shows at first, unless the user chooses others.
     shown: Sequence[str] = ()
+    # Whether frames have the contacts, which take long to read.
+    shows_contacts = True
 
     def __init__(self, space: pymunk.Space, settings: PlaySettings) -> None:
         self.space = space
@@ -131,11 +135,6 @@ class Scene:
         view = self.settings.view or (self.pygame and self.pygame.view) or area(self.space)
         self.view: dict[str, list[float]] = {"centre": list(view[:2]), "size": list(view[2:])}
 
-    def drawn_joints(self) -> Iterator[DrawCall]:
-        """What pictures have of joints."""
-        rows = self._readings.joints([*self.space.constraints])
-        return joint_calls(self.space, rows, self.settings.units)
-
     def focus(self) -> list[float] | None:
         """The point that the view follows, if it follows one."""
         follow = self.settings.follow
@@ -158,9 +157,12 @@ class Scene:
             view["centre"] = self.focus() or view["centre"]
         with suppress(Exception):
             self.draw()
+        # Pages need no picture, and begin sooner without Pillow.
+        from pymunk_dragon.drawing.debug_draw import still
+
         y_down = self.settings.y_down
-        more = [*self.drawn_joints(), *self._drawing.calls]
-        return still(self.space, view, y_down=y_down, more=more)
+        more = self._drawing.calls
+        return still(self.space, view, y_down=y_down, flags=self.drawn, more=more)
 
     def advance(self) -> None:
         """Make a step; an error is raised if a body has no finite position after it."""
@@ -430,15 +432,15 @@ class Scene:
 
         drawn = [*self.space.constraints]
         rows = self._readings.joints(drawn)
-        of_joints = joint_calls(self.space, rows, self.settings.units)
-        calls, colours = packed([*of_joints, *self._drawing.calls], grip)
+        of_joints = joint_numbers(self.space, rows[:, :4], self.settings.units)
+        calls, colours = packed(self._drawing.calls, grip, self._recorder.constraint_color)
 
         with_forces = set(self.joints())
         arrays = {
             "bodies": poses,
-            "calls": calls,
+            "calls": np.concatenate([of_joints, calls]),
             "joints": rows[np.array([each in with_forces for each in drawn], bool)],
-            "contacts": self._readings.contacts(),
+            "contacts": self._readings.contacts() if self.shows_contacts else np.empty(0),
         }
         return {"colours": colours, "texts": self._drawing.texts}, arrays
 

@@ -1,7 +1,5 @@
 """Sources of scenes: marches, spaces, recordings, and the scenes of the command, by name."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace

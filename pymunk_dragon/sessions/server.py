@@ -1,7 +1,5 @@
 """The server of a live session: a page, and a WebSocket for each client, by aiohttp in a thread."""
 
-from __future__ import annotations
-
 import asyncio
 import errno
 import ipaddress

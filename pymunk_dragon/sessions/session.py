@@ -371,6 +371,8 @@ class Session:
                     # Not in a frame: a client need not get all of these.
                     self.clients.tell(without_nan(about))
             finally:
+                shows = [client.shows_contacts for client in self.clients]
+                self.scene.shows_contacts = any(shows)
                 frame = self.scene.frame(header)
                 for client in self.clients:
                     client.show(frame, self.scene.outlines)

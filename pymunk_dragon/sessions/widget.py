@@ -3,8 +3,6 @@
 Frames and messages go over the kernel's own channel.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from contextvars import copy_context
 from time import perf_counter

@@ -108,7 +108,7 @@ _STUDIES = (
         name="max-speed",
         summary="largest speed of the head in the U-turn (question 5)",
         run=max_speed,
-        flags={"limit": ("M/S", "no handle shall be faster, m/s.  [2]")},
+        flags={"limit": "no handle shall be faster, m/s.  [2]"},
     ),
     Study(
         name="paper",
@@ -126,7 +126,7 @@ _STUDIES = (
         name="u-turn",
         summary="turn inside the circle, and the shortest one found (question 4)",
         run=u_turn,
-        flags={"search": (None, "search for a shorter turn on five arcs.  [search]")},
+        flags={"search": "search for a shorter turn on five arcs.  [search]"},
         formats=(".json", ".png", ".svg", ".pdf", ".xlsx"),
     ),
 )

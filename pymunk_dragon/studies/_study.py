@@ -9,7 +9,7 @@ from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pymunk_dragon._checks import instance
+from pymunk_dragon._checks import instance, silent
 from pymunk_dragon.errors import DragonError, ParameterError
 from pymunk_dragon.model._display import TextResult, width
 from pymunk_dragon.model.dragon import Dragon
@@ -35,10 +35,6 @@ def labelled(label: str, lines: str) -> str:
     """Lines of a text beside a label."""
     padding = " " * (_LABEL_COLUMNS - width(label))
     return label + padding + lines.replace("\n", "\n" + " " * _LABEL_COLUMNS)
-
-
-def silent(done: float, total: float) -> None:
-    """Report nothing."""
 
 
 class Result(TextResult, ABC):
@@ -89,8 +85,8 @@ class Study:
         Function of a `Dragon`, of keyword-only parameters with defaults, and of `progress`. It
         returns a `Result`.
     flags : mapping
-        Flags of the command line for the parameters that no scenario has: a placeholder of the
-        value, and a description.
+        Flags of the command line for the parameters that no scenario has, and what they
+        are.
     formats : tuple of str
         Endings of the files that the result can be written to: .xlsx if it has a `march` and
         `times`.
@@ -99,7 +95,7 @@ class Study:
     name: str
     summary: str
     run: Callable[..., Any]
-    flags: Mapping[str, tuple[str | None, str]] = field(default_factory=dict)
+    flags: Mapping[str, str] = field(default_factory=dict)
     formats: tuple[str, ...] = (".json", ".png", ".svg", ".pdf")
 
     @property

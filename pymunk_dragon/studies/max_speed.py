@@ -34,7 +34,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pymunk_dragon._arrays import Array, as_vectors
-from pymunk_dragon._checks import finite, function
+from pymunk_dragon._checks import finite, function, silent
 from pymunk_dragon._language import text
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.model import chain
@@ -42,7 +42,7 @@ from pymunk_dragon.model.curves import Composite, UTurn
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.speed import MAX_SPEED, MIN_SPEED
-from pymunk_dragon.studies._study import Progress, Result, checked_dragon, labelled, silent
+from pymunk_dragon.studies._study import Progress, Result, checked_dragon, labelled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

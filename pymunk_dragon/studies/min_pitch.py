@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pymunk_dragon._arrays import as_vectors
-from pymunk_dragon._checks import finite, function, positive
+from pymunk_dragon._checks import finite, function, positive, silent
 from pymunk_dragon._language import text
 from pymunk_dragon.collision import Separation, first_contact, separation
 from pymunk_dragon.errors import DragonError, ParameterError
@@ -26,7 +26,7 @@ from pymunk_dragon.model.curves.spiral import MAX_PITCH
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
 from pymunk_dragon.model.speed import MAX_SPEED, MIN_SPEED
-from pymunk_dragon.studies._study import Progress, Result, checked_dragon, labelled, silent
+from pymunk_dragon.studies._study import Progress, Result, checked_dragon, labelled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from pymunk_dragon._checks import function
+from pymunk_dragon._checks import function, silent
 from pymunk_dragon.collision import FirstContact
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March, States
-from pymunk_dragon.studies._study import Progress, Result, checked_dragon, silent
+from pymunk_dragon.studies._study import Progress, Result, checked_dragon
 from pymunk_dragon.studies.max_speed import MaxSpeed, max_speed
 from pymunk_dragon.studies.min_pitch import MinPitch
 from pymunk_dragon.studies.sensitivity import Sensitivity, sensitivity, slopes
@@ -137,9 +137,11 @@ def paper(dragon: Dragon | None = None, *, progress: Progress = silent) -> Paper
     function("progress", progress)
     sensed = sensitivity(dragon, progress=lambda done, total: progress(done, total + 1))
 
-    def last(dragon: Dragon) -> float:
-        return float(March(dragon).at(_TIMES[-1]).handles_s[0, -1])
+    def answers(dragon: Dragon) -> list[tuple[float, None]]:
+        last = float(March(dragon).at(_TIMES[-1]).handles_s[0, -1])
+        return [(last, None), (max_speed(dragon).speed, None)]
 
+    last_slopes, speed_slopes = slopes(dragon, answers)
     march = March(dragon)
     found = Paper(
         march=march,
@@ -147,8 +149,8 @@ def paper(dragon: Dragon | None = None, *, progress: Progress = silent) -> Paper
         sensitivity=sensed,
         turn=u_turn(dragon, search=False),
         fastest=max_speed(dragon),
-        last_slopes=slopes(dragon, last),
-        speed_slopes=slopes(dragon, lambda dragon: max_speed(dragon).speed),
+        last_slopes=last_slopes,
+        speed_slopes=speed_slopes,
     )
     progress(1, 1)
     return found

@@ -6,13 +6,14 @@ millimetre. Where other benches touch within a step, there is no derivative.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any
 
 import numpy as np
 
-from pymunk_dragon._checks import function
+from pymunk_dragon._checks import function, silent
 from pymunk_dragon._language import text
 from pymunk_dragon.collision import FirstContact, first_contact
 from pymunk_dragon.errors import ParameterError
@@ -20,7 +21,7 @@ from pymunk_dragon.model._display import table
 from pymunk_dragon.model.curves import Spiral
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
-from pymunk_dragon.studies._study import Progress, Result, checked_dragon, silent
+from pymunk_dragon.studies._study import Progress, Result, checked_dragon
 from pymunk_dragon.studies.min_pitch import RADIUS, MinPitch, min_pitch
 
 # Sizes of the benches by which both answers are differentiated.
@@ -76,18 +77,25 @@ class Sensitivity(Result):
         return [time, pitch, *table(heads, ("<13", "+10.7f", "+10.7f"), rows)]
 
 
-def with_change(dragon: Dragon, name: str, change: float) -> Dragon:
-    """The dragon with a size of all benches that have it changed, m."""
-    size: Any = (np.array(getattr(dragon, name)) + change).tolist()
-    return replace(dragon, **{name: size})
+def slopes(
+    dragon: Dragon,
+    answers: Callable[[Dragon], Sequence[tuple[float, Any]]],
+    progress: Progress = silent,
+) -> list[dict[str, Any]]:
+    """Derivatives of each answer by the sizes of the benches, per m, from central differences.
 
-
-def slopes(dragon: Dragon, value: Callable[[Dragon], float]) -> dict[str, float]:
-    """Derivatives of a value by the sizes of the benches, per m, from central differences."""
-    found = {}
-    for name in _SIZES:
-        before, after = (value(with_change(dragon, name, side)) for side in (-_STEP, _STEP))
-        found[name] = (after - before) / (2 * _STEP)
+    Answers come with the benches that touch: where others do within a step, the value is None.
+    """
+    known = answers(dragon)
+    found: list[dict[str, Any]] = [{} for _ in known]
+    for done, name in enumerate(_SIZES, 1):
+        size = np.array(getattr(dragon, name))
+        changed = (replace(dragon, **{name: (size + side).tolist()}) for side in (-_STEP, _STEP))
+        rows = zip(found, known, *map(answers, changed), strict=True)
+        for each, (_, benches), (before, one), (after, other) in rows:
+            same = benches == one == other
+            each[name] = (after - before) / (2 * _STEP) if same else None
+        progress(done, len(_SIZES))
     return found
 
 
@@ -126,25 +134,18 @@ def sensitivity(
     dragon = checked_dragon(dragon)
     function("progress", progress)
 
-    def answers(name: str, change: float) -> tuple[FirstContact, MinPitch]:
-        """Both answers with a size of all benches that have it changed, m."""
-        changed = with_change(dragon, name, change)
-        march = March(changed, Spiral(pitch=pitch), turns=turns, speed=speed)
-        return first_contact(march), min_pitch(changed, turns=turns, speed=speed, radius=radius)
+    @cache
+    def results(dragon: Dragon) -> tuple[FirstContact, MinPitch]:
+        march = March(dragon, Spiral(pitch=pitch), turns=turns, speed=speed)
+        return first_contact(march), min_pitch(dragon, turns=turns, speed=speed, radius=radius)
 
-    contact, smallest = answers("width", 0.0)
+    contact, smallest = results(dragon)
     if contact.status != "contact":
         raise ParameterError("pitch", pitch, "one at which the dragon runs into itself")
 
-    times: dict[str, float | None] = {}
-    pitches: dict[str, float | None] = {}
-    for done, name in enumerate(_SIZES, 1):
-        contact_before, before = answers(name, -_STEP)
-        contact_after, after = answers(name, _STEP)
-        # There is no derivative where other benches touch within a step.
-        same = contact_before.benches == contact_after.benches == contact.benches
-        times[name] = (contact_after.time - contact_before.time) / (2 * _STEP) if same else None
-        same = before.benches == after.benches == smallest.benches
-        pitches[name] = (after.pitch - before.pitch) / (2 * _STEP) if same else None
-        progress(done, len(_SIZES))
+    def answers(dragon: Dragon) -> list[tuple[float, Any]]:
+        contact, smallest = results(dragon)
+        return [(contact.time, contact.benches), (smallest.pitch, smallest.benches)]
+
+    times, pitches = slopes(dragon, answers, progress)
     return Sensitivity(contact=contact, smallest=smallest, times=times, pitches=pitches)

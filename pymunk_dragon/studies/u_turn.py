@@ -31,7 +31,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from pymunk_dragon._arrays import Array, Complex, as_complex, as_vectors
-from pymunk_dragon._checks import flag, function
+from pymunk_dragon._checks import flag, function, silent
 from pymunk_dragon._extras import library
 from pymunk_dragon._language import text
 from pymunk_dragon.collision import FirstContact, first_contact
@@ -40,7 +40,7 @@ from pymunk_dragon.model import chain
 from pymunk_dragon.model.curves import Arc, Composite, UTurn
 from pymunk_dragon.model.dragon import Dragon
 from pymunk_dragon.model.march import March
-from pymunk_dragon.studies._study import Progress, Result, checked_dragon, labelled, silent
+from pymunk_dragon.studies._study import Progress, Result, checked_dragon, labelled
 from pymunk_dragon.studies.max_speed import largest_ratio
 
 if TYPE_CHECKING:
@@ -402,8 +402,7 @@ class _Arcs(NamedTuple):
     def centres(self) -> Complex:
         """Centres (n,) as complex numbers, m."""
         normals = 1j * np.exp(1j * self.headings[:-1])
-        centres: Complex = self.joints[:-1] + normals / self.curvatures
-        return centres
+        return self.joints[:-1] + normals / self.curvatures
 
     def path(self, base: UTurn) -> Composite:
         """The path with the spirals of another turn; an error if an arc vanishes or is straight."""
@@ -542,5 +541,4 @@ class _Search:
             b_ub=-values,
             bounds=[*(size * np.outer(_SCALES, [-1, 1])), (0, None)],
         )
-        step: Array = found.x[:-1]
-        return step
+        return found.x[:-1]

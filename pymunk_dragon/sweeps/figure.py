@@ -7,7 +7,7 @@ the status, a whole number or a text, change, the line is broken, and lines are 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import groupby
+from itertools import groupby, pairwise, product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,6 +16,7 @@ from pymunk_dragon._arrays import Array, Flags
 from pymunk_dragon._language import text
 from pymunk_dragon.drawing.figures.style import COLOURS, QUIET, chart, halo
 from pymunk_dragon.sweeps.axes import varied
+from pymunk_dragon.sweeps.quantities import kind
 from pymunk_dragon.sweeps.result import Sweep
 
 if TYPE_CHECKING:
@@ -52,7 +53,7 @@ def draw(found: Sweep) -> Figure:
         _draw_line(axes, at[0], values, labels)
     else:
         axes.set_ylabel(_words(names[1], unit=True))
-        figure.colorbar(_draw_map(axes, at[0], at[1], values, labels), label=quantity)
+        figure.colorbar(_draw_map(axes, found, at, values, labels), label=quantity)
 
     _draw_missing(axes, at, ~np.isfinite(values))
     lines = axes.axvline, axes.axhline
@@ -107,72 +108,78 @@ def _draw_line(axes: Axes, x: Array, values: Array, labels: Sequence[str]) -> No
             axes.plot(x[part], values[part], marker="o", ms=3, label=name, gid="line")
 
 
-def _draw_map(axes: Axes, x: Array, y: Array, values: Array, labels: Sequence[str]) -> Any:
-    """Draw values over two axes as coloured cells, which are returned.
+def _draw_map(
+    axes: Axes, found: Sweep, at: Sequence[Array], values: Array, labels: Sequence[str]
+) -> Any:
+    """Draw values over two axes as colours, which change evenly between points; returned.
 
     Lines separate points of different labels.
     """
     from matplotlib.colors import LinearSegmentedColormap
+    from matplotlib.tri import Triangulation
 
-    across, column = np.unique(x, return_inverse=True)
-    up, row = np.unique(y, return_inverse=True)
-    shape = len(up), len(across)
-    cells = np.full(shape, np.nan)
-    cells[row, column] = values
-    names = np.full(shape, "", dtype=object)
+    across, up = (np.unique(found.axes[name]) for name in varied(found.axes))
+    column = np.searchsorted(across, at[0])
+    row = np.searchsorted(up, at[1])
+    names = np.full((len(up), len(across)), "", dtype=object)
     names[row, column] = labels
 
+    # Of steps, as the axes have units of their own.
+    triangles = Triangulation(column, row).triangles
     colours = LinearSegmentedColormap.from_list("sweep", list(_VALUES))
     look: dict[str, Any] = {"cmap": colours, "rasterized": True, "gid": "values"}
-    mesh = axes.pcolormesh(across, up, cells, shading="nearest", **look)
+    look["mask"] = ~np.isfinite(values)[triangles].all(axis=1)
+    shown = np.ma.masked_invalid(values)
+    mesh = axes.tripcolor(*at, shown, triangles=triangles, shading="gouraud", **look)
+    axes.margins(0)
 
-    corners = np.array(mesh.get_coordinates())
-    sides = corners[0, :, 0]
-    heights = corners[:, 0, 1]
-
-    along = np.hstack([sides[0], across, sides[-1]])
-    upward = np.hstack([heights[0], up, heights[-1]])
-    for border in _borders(along, upward, np.pad(names, 1, mode="edge")):
+    for border in _borders(across, up, names, found.step):
         axes.plot(*border, color=COLOURS.ink, lw=0.9, gid="jumps")
 
+    on_grid = (column % found.step == 0) & (row % found.step == 0)
     for name in dict.fromkeys(labels):
-        inside = np.array([label == name for label in labels])
-        if inside.mean() > _NAMED:
-            middle = x[inside].mean(), y[inside].mean()
+        inside = on_grid & [label == name for label in labels]
+        if inside.sum() > _NAMED * on_grid.sum():
+            middle = at[0][inside].mean(), at[1][inside].mean()
             axes.text(*middle, name, ha="center", va="center", path_effects=halo(), gid="name")
     return mesh
 
 
-def _borders(x: Array, y: Array, names: Any) -> list[Array]:
-    """Lines (2, 2) through the middles between neighbouring points with other names.
+def _borders(x: Array, y: Array, names: Any, step: int) -> list[Array]:
+    """Lines (2, 2) between points at `x` and `y` with other `names` (Y, X), "" where none is.
 
-    The points of a grid are at `x` and `y`, and have `names` (Y, X). Where more than two borders
-    meet between four points, they meet in the middle.
+    In each cell of the grid, of `step` points a side, they join the middles between neighbours on
+    its sides. Where the same names are on two of them, the line between is straight; others meet.
     """
     found = []
-    for i, j in np.ndindex(len(y) - 1, len(x) - 1):
-        # The corners of a cell between four points, and back to the first one.
-        rows = np.array([i, i, i + 1, i + 1, i])
-        columns = np.array([j, j + 1, j + 1, j, j])
-        around = names[rows, columns]
-        crossed = around[1:] != around[:-1]
-        corners = np.array([x[columns], y[rows]])
-        middles = (corners[:, 1:] + corners[:, :-1])[:, crossed] / 2
-        if crossed.sum() == 2:
-            found.append(middles)
-        else:
-            centre = corners[:, :4].mean(axis=1)
-            found += [np.transpose([middle, centre]) for middle in middles.T]
+    # Once around a cell.
+    around = np.arange(4 * step + 1)
+    rows = np.clip(np.minimum(around - step, 4 * step - around), 0, step)
+    columns = np.clip(np.minimum(around, 3 * step - around), 0, step)
+    for i, j in product(range(0, len(y) - 1, step), range(0, len(x) - 1, step)):
+        named = names[i + rows, j + columns]
+        known = np.flatnonzero(named)
+        points = np.transpose([x[j + columns], y[i + rows]])[known]
+        middles: dict[frozenset[str], list[Array]] = {}
+        for (one, other), middle in zip(
+            pairwise(named[known]), (points[1:] + points[:-1]) / 2, strict=True
+        ):
+            if one != other:
+                middles.setdefault(frozenset({one, other}), []).append(middle)
+
+        loose = []
+        for ends in middles.values():
+            if len(ends) == 2:
+                found.append(np.transpose(ends))
+            else:
+                loose += ends
+        found += [np.transpose([end, np.mean(loose, axis=0)]) for end in loose]
     return found
 
 
 def _label(cells: Sequence[Any]) -> str:
-    """What cannot change continuously in a quantity's values: whole numbers, or else texts."""
-    if cells[-1] is not None:
-        return text("failed")
-    whole = [str(each) for each in cells if isinstance(each, int)]
-    words = [text(each) for each in cells if isinstance(each, str)]
-    return text(" and ").join(whole or words)
+    """The kind of a point in words."""
+    return text(" and ").join(text(str(each)) for each in kind(cells))
 
 
 def _words(name: str, *, unit: bool = False) -> str:

@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterator, Mapping, Sequence
-from itertools import product
-from math import prod
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 from zlib import crc32
+
+import numpy as np
 
 from pymunk_dragon.errors import FileFormatError, OutputError, ParameterError
 from pymunk_dragon.sweeps.axes import Axes
@@ -37,7 +37,8 @@ class PartialTable:
         resume: bool,
     ) -> None:
         self.axes = axes
-        self.count = prod(map(len, axes.values()))
+        # Points to evaluate that are known by now.
+        self.count = 0
         self.rows: dict[int, Outcome] = {}
         self.path = Path(f"{files[0]}.partial") if files else None
         # Content of the first line, until it is in the file.
@@ -65,11 +66,16 @@ class PartialTable:
         self.rows = {number: (outcome, error) for number, outcome, error in values[1:]}
         os.truncate(path, len(content) - len(unfinished))
 
-    def missing(self) -> Iterator[tuple[int, dict[str, float]]]:
-        """Numbers of the points without an outcome, and their values of the axes."""
-        for number, point in enumerate(product(*self.axes.values())):
+    def point(self, number: int) -> list[float]:
+        """Values of the axes at a point."""
+        indices = np.unravel_index(number, [len(values) for values in self.axes.values()])
+        return [values[index] for values, index in zip(self.axes.values(), indices, strict=True)]
+
+    def missing(self, numbers: Iterable[int]) -> Iterator[tuple[int, dict[str, float]]]:
+        """Those of the points that have no outcome, and their values of the axes."""
+        for number in numbers:
             if number not in self.rows:
-                yield number, dict(zip(self.axes, point, strict=True))
+                yield number, dict(zip(self.axes, self.point(number), strict=True))
 
     def append(self, rows: Mapping[int, Outcome]) -> None:
         """Add the outcomes of points; they are on the disk when this returns.

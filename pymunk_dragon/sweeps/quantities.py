@@ -5,7 +5,7 @@ These parameters can be axes, too.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from inspect import getdoc, signature
 from pkgutil import resolve_name
 from threading import local
@@ -103,6 +103,14 @@ def evaluate(name: str, base: Values, point: Values) -> Outcome:
         kind = "" if isinstance(error, DragonError) else f"{type(error).__name__}: "
         return None, one_line(f"{kind}{error}")[:_MAX_MESSAGE]
     return values, None
+
+
+def kind(cells: Sequence[Any]) -> list[Any]:
+    """What cannot change continuously in values, and their error: whole numbers, or else texts."""
+    if cells[-1] is not None:
+        return ["failed"]
+    whole = [each for each in cells if isinstance(each, int)]
+    return whole or [each for each in cells if isinstance(each, str)]
 
 
 def _sharing_march(scenario: Scenario) -> March:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 from collections.abc import Iterator
 from io import StringIO
-from itertools import chain, product
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from pymunk_dragon._checks import word
 from pymunk_dragon._extras import library
-from pymunk_dragon._files import check_destination, written_in_place
+from pymunk_dragon._files import check_destination, write_text
 from pymunk_dragon._language import text
 from pymunk_dragon.errors import ParameterError
 from pymunk_dragon.studies import Result
@@ -50,6 +50,8 @@ class Sweep(Result):
         Values of each axis.
     reference : mapping
         The scenario's own value of each axis, or nan.
+    step : int
+        Values of an axis from one line of the grid to the next: more than 1 if it is refined.
 
     Examples
     --------
@@ -62,7 +64,12 @@ class Sweep(Result):
     """
 
     def __init__(
-        self, quantity: Quantity, partial: PartialTable, reference: Values, seconds: float
+        self,
+        quantity: Quantity,
+        partial: PartialTable,
+        reference: Values,
+        seconds: float,
+        step: int = 1,
     ) -> None:
         self.quantity = quantity.name
         self.summary = quantity.summary
@@ -72,7 +79,10 @@ class Sweep(Result):
         self.points = partial.count
         self.resumed = partial.resumed
         self.seconds = seconds
-        self._outcomes = [outcome for _, outcome in sorted(partial.rows.items())]
+        self.step = step
+        rows = sorted(partial.rows.items())
+        self._points = [partial.point(number) for number, _ in rows]
+        self._outcomes = [outcome for _, outcome in rows]
         self.failed = sum(error is not None for _, error in self._outcomes)
 
         # The columns in the order in which points have them.
@@ -82,8 +92,7 @@ class Sweep(Result):
 
     def rows(self) -> Iterator[list[Any]]:
         """The rows of the table in the order of the grid, with a value or None for each column."""
-        points = product(*self.axes.values())
-        for point, (values, error) in zip(points, self._outcomes, strict=True):
+        for point, (values, error) in zip(self._points, self._outcomes, strict=True):
             yield [*point, *map((values or {}).get, self._of_quantity), error]
 
     def column(self, name: str) -> NDArray[Any]:
@@ -105,9 +114,7 @@ class Sweep(Result):
         if destination.suffix.lower() != _TABLE:
             self.write_figure(destination)
             return
-        with written_in_place(destination) as draft:
-            table = "\n".join([*self.csv(), ""])
-            draft.write_text(table, encoding="utf-8", newline="\n")
+        write_text(destination, "\n".join([*self.csv(), ""]))
 
     def csv(self) -> list[str]:
         """Lines of the table as CSV: numbers with all their digits, nothing for None."""

@@ -28,6 +28,7 @@ from pymunk_dragon.model.scenario import Scenario
 from pymunk_dragon.sweeps.axes import Axes, axes_of, base_values, given_values, reference_values
 from pymunk_dragon.sweeps.partial import PartialTable
 from pymunk_dragon.sweeps.quantities import Outcome, Quantity, Values, evaluate, quantity_of
+from pymunk_dragon.sweeps.refine import finer, rounds
 from pymunk_dragon.sweeps.result import Sweep, check_format
 
 # A function that submits calls to workers.
@@ -38,6 +39,8 @@ _Submit = Callable[..., Future[Outcome]]
 _MAX_RUNNING = 256
 # Worker processes, at most: Windows waits for no more.
 _MAX_WORKERS = 61 if os.name == "nt" else 1000
+# Times that the distance between neighbours is halved, at most: to a thousandth.
+_MAX_HALVINGS = 10
 # Processors for this process, of which each worker gets one.
 _CORES = min(os.cpu_count() or 1, _MAX_WORKERS)
 if hasattr(os, "sched_getaffinity"):
@@ -51,6 +54,7 @@ def sweep(
     executor: Executor | None = None,
     out: str | Path | Sequence[str | Path] = (),
     *,
+    refine: int = 0,
     resume: bool = False,
     scheduler: str | None = None,
     workers: int | None = None,
@@ -76,6 +80,9 @@ def sweep(
     out : path or sequence of paths, optional
         Files to write: .csv, or .png, .svg or .pdf for a picture of one or two axes. Until then,
         finished points are in a partial table beside the first one, with the ending ``.partial``.
+    refine : int
+        How often the distance between neighbours of different kinds is halved, on the lines of the
+        grid: where the benches that touch change, or another whole number, or else a text.
     resume : bool
         Whether to go on from the partial table of an interrupted sweep, if there is one.
     scheduler : str, optional
@@ -114,7 +121,8 @@ def sweep(
         out = [out]
     paths = instances("out", out, str | Path, "a path, or several")
     chosen = quantity_of(quantity)
-    points = axes_of(axes, chosen.parameters)
+    halvings = whole("refine", refine, 0, _MAX_HALVINGS)
+    points = finer(axes_of(axes, chosen.parameters), halvings)
     given = given_values(scenario, points)
     base = base_values(chosen, given, points)
     if resume and not paths:
@@ -125,11 +133,12 @@ def sweep(
     call = partial_of(evaluate, chosen.name, base)
     with PartialTable(files, _description(chosen, points, base), points, resume=resume) as partial:
         with pool as submit:
-            for rows in _outcomes(submit, call, partial.missing()):
-                partial.append(rows)
-                progress(len(partial.rows), partial.count)
+            for numbers in rounds(partial, halvings):
+                for rows in _outcomes(submit, call, partial.missing(numbers)):
+                    partial.append(rows)
+                    progress(len(partial.rows), partial.count)
         reference = reference_values(chosen, given, points)
-        found = Sweep(chosen, partial, reference, perf_counter() - begin)
+        found = Sweep(chosen, partial, reference, perf_counter() - begin, 2**halvings)
         for file in files:
             found.write(file)
     return found

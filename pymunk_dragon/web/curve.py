@@ -1,7 +1,5 @@
 """The curve of a march in pages."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from pymunk_dragon._arrays import Array

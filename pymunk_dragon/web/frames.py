@@ -1,7 +1,5 @@
 """Frames of a page's canvas: a JSON header, Pymunk's draw calls as numbers, other arrays."""
 
-from __future__ import annotations
-
 import json
 import math
 import struct
@@ -11,21 +9,21 @@ from typing import Any
 import numpy as np
 
 from pymunk_dragon._arrays import Array
-from pymunk_dragon.drawing.debug_draw import DrawCall
+from pymunk_dragon.physics.draw_calls import DrawCall
 
 # Numbers of the kinds of calls; contacts are sent apart.
-_KINDS = {"circle": 0, "segment": 1, "polygon": 2, "line": 3, "dot": 4}
+KINDS = {"circle": 0, "segment": 1, "polygon": 2, "line": 3, "dot": 4}
 
 
 def packed(
-    calls: Sequence[DrawCall], grip: Callable[[Any], int]
+    calls: Sequence[DrawCall], grip: Callable[[Any], int], *known: Any
 ) -> tuple[Array, list[list[float]]]:
     """Calls as numbers, and their colours.
 
     A call is its kind, number of points, radius, angle, fill, outline and grip, and the points.
-    The grip is that of its shape, and 0 without one.
+    The grip is that of its shape, and 0 without one. `known` colours have the first numbers.
     """
-    colours: dict[Any, int] = {}
+    colours: dict[Any, int] = {each: number for number, each in enumerate(known)}
     numbers: list[float] = []
 
     for call in calls:
@@ -34,7 +32,7 @@ def packed(
         if call.outline is not None:
             outline = colours.setdefault(call.outline, len(colours))
         held = 0 if call.shape is None else grip(call.shape)
-        numbers += [_KINDS[call.name], len(call.points)]
+        numbers += [KINDS[call.name], len(call.points)]
         numbers += [call.radius, call.angle, fill, outline, held]
         for point in call.points:
             numbers.extend(point)
@@ -60,8 +58,11 @@ def in_binary(header: Mapping[str, Any], arrays: Mapping[str, Array]) -> bytes:
 
 def without_nan(value: Any) -> Any:
     """JSON values with None in place of numbers that JSON does not have."""
-    if isinstance(value, Mapping):
-        return {name: without_nan(each) for name, each in value.items()}
+    # First what most values are.
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
     if isinstance(value, list | tuple):
         return [without_nan(each) for each in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+    if isinstance(value, Mapping):
+        return {name: without_nan(each) for name, each in value.items()}
+    return value

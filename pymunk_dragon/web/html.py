@@ -1,7 +1,5 @@
 """Parts of self-contained HTML pages, which load nothing from elsewhere."""
 
-from __future__ import annotations
-
 import json
 import re
 from base64 import b64encode

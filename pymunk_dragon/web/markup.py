@@ -1,7 +1,5 @@
 r"""Markup of texts: `code`, **bold**, and formulas, in simple LaTeX between $."""
 
-from __future__ import annotations
-
 import re
 from html import escape
 

@@ -1,7 +1,5 @@
 """What player and live page share: the document around their own parts, texts and colours."""
 
-from __future__ import annotations
-
 import json
 import tomllib
 from dataclasses import asdict

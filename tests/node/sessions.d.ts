@@ -99,6 +99,8 @@ interface Call extends Shape {
   outline?: string;
   opaque: boolean;
   grip: number;
+  /** Its points in the last picture, pixels. */
+  screen?: Point[];
 }
 
 /** Shapes in the coordinates of the bodies that own them: rows of `LiveFrame.bodies`. */
@@ -121,6 +123,9 @@ interface LiveFrame {
   held: [number, number, number, number] | null;
   touching: number[];
   sizes: Record<string, number>;
+  colours?: number[][];
+  /** Those of all arrays. */
+  numbers: Float64Array;
   poses: Float64Array;
   exact: Float64Array;
   errors: Float64Array;

@@ -171,8 +171,7 @@ def _figure_source(named: NamedFigure, source: Run | March | None) -> FigureSour
     if isinstance(source, Run):
         if np.isfinite(source.march.end):
             return FigureSource(source.march, run=source)
-        start, until = source.times[[0, -1]].tolist()
-        return FigureSource(source.march, start, until, run=source)
+        return FigureSource(source.march, *source.interval, run=source)
     march = March(Dragon(benches=named.benches)) if source is None else source
     instance("source", march, March, "a run or a march")
     if not np.isfinite(march.end):

@@ -48,8 +48,6 @@ _MIN_GAP = 1.5e-4
 _STILL_WIDTH = 880
 # Height of the texts of a still picture over its width.
 _TEXTS = 0.12
-# A legend without a frame.
-_BARE: dict[str, Any] = {"frameon": False, "borderpad": 0.2}
 # Length of the largest arrow of a velocity over the width of the path.
 _ARROW = 0.16
 # Head lengths travelled: the part of a march before its contact, or its end, that `gap` shows.
@@ -87,7 +85,7 @@ def _spiral(source: FigureSource) -> Figure:
 
     walked = source.path(start, start + gone)
     name = text("the march of handle 0")
-    axes.plot(*walked.T, color=BLUE, lw=1.8, gid="walked", label=name)
+    axes.plot(*walked.T, color=BLUE, gid="walked", label=name)
     # At most ten whole minutes.
     step = max(1, np.ceil(end / 600))
     minutes = np.arange(0, end / 60, step)
@@ -125,13 +123,15 @@ def _trajectories(source: FigureSource) -> Figure:
         start = seen.plot(*path[0], "o", **look, **hollow)
         stop = seen.plot(*path[-1], "o", mfc=f"C{rank}", label=text("at the end"), **look)
     plan(seen)
-    seen.legend(handles=start + stop, loc="lower left", bbox_to_anchor=(0, 1), ncols=2, **_BARE)
+    seen.legend(
+        handles=start + stop, loc="lower left", bbox_to_anchor=(0, 1), ncols=2, borderpad=0.2
+    )
 
     times = np.linspace(source.begin, source.hit.time, 400)
     places = source.march.at(times).positions[:, list(handles)]
     for handle, radius in zip(handles, np.hypot(*np.moveaxis(places, -1, 0)).T, strict=True):
         name = text("handle {}").format(handle)
-        over.plot(times, radius, lw=1.8, label=name, gid=f"radius-{handle}")
+        over.plot(times, radius, label=name, gid=f"radius-{handle}")
     # The outermost first, as the lines are.
     over.legend(reverse=True, **BESIDE)
     over.set(
@@ -300,7 +300,7 @@ def _gap(source: FigureSource) -> Figure:
     for row in np.unique(gaps.argmin(axis=1)).tolist():
         axes.plot(times, gaps[:, row], gid=f"gap-{row + 2}", **dashes)
     smallest = gaps.min(axis=1)
-    axes.plot(times, smallest, color=BLUE, lw=2.0, gid="gap")
+    axes.plot(times, smallest, color=BLUE, gid="gap")
 
     low = _MIN_GAP if hit.contact else max(_MIN_GAP, float(smallest.min()) / 3)
     logarithmic(axes, low, 3 * float(smallest.max()))
@@ -349,13 +349,13 @@ def _drift(source: FigureSource) -> Figure:
     errors = run.drift[frames]
     name = text("largest of all")
     worst = np.fmax.reduce(errors, axis=1)
-    axes.plot(times, worst, color=BLUE, lw=2.2, gid="any-bench", label=name)
+    axes.plot(times, worst, color=BLUE, gid="any-bench", label=name)
     name = text("largest of the first {}").format(HEAD_BENCHES)
     worst = np.fmax.reduce(errors[:, :HEAD_BENCHES], axis=1)
-    axes.plot(times, worst, color=AMBER, lw=2.2, ls="--", gid="first-benches", label=name)
+    axes.plot(times, worst, color=AMBER, ls="--", gid="first-benches", label=name)
 
     # An engine with a position error as large as the smallest gap can find the wrong first contact.
-    begin, end = run.times[[0, -1]]
+    begin, end = run.interval
     misses = source.hit.near_misses or ()
     gaps = [miss.gap for miss in misses if begin <= miss.time <= end]
     high = 10.0 ** np.ceil(np.log10(run.max_drift))
@@ -375,14 +375,12 @@ def _drift(source: FigureSource) -> Figure:
 def _forces(source: FigureSource) -> Figure:
     """Draw the force in every joint at several times, and the exact ones beside an engine's."""
     run = source.run
-    if run is None or run.joint_forces is None:
+    if run is None or run.joint_forces is None or not run.joint_forces.max() > 0:
         raise ParameterError("run", run and "one without forces in joints", "a run of `simulate`")
     times = run.times
     forces = run.joint_forces
-    if not forces.max() > 0:
-        raise ParameterError("run", "one without forces in joints", "a run of `simulate`")
 
-    several = _several_times(times[0], times[-1])
+    several = _several_times(*run.interval)
     rows = np.unique(np.searchsorted(times, several))
     title = text("The joints carry up to {:.2f} N").format(forces[rows].max())
     figure, axes = slide(title, text("force in every joint, N"))
@@ -439,10 +437,10 @@ def _bundle(axes: Axes, values: Array, times: Array, gid: str, along: str) -> No
 
     colours = colormaps["Blues"](np.linspace(0.4, 1.0, len(times)))
     for rank, (line, time) in enumerate(zip(values, times, strict=True)):
-        axes.plot(line, color=colours[rank], lw=1.8, gid=f"{gid}-{rank}", label=f"{time:.5g} s")
+        axes.plot(line, color=colours[rank], gid=f"{gid}-{rank}", label=f"{time:.5g} s")
     axes.set(xlim=(0, values.shape[1] - 1), xlabel=along)
     axes.locator_params(axis="x", integer=True)
-    axes.grid(axis="y", color=RULE, lw=0.6)
+    axes.grid(axis="y")
     axes.legend(**BESIDE)
 
 

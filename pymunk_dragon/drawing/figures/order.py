@@ -49,7 +49,7 @@ def draw(source: FigureSource) -> Figure:
     names = text("Pymunk's step (order 1)"), text("this engine's (order 2)")
     for order, name, colour in zip((1, 2), names, (AMBER, BLUE), strict=True):
         errors = [_largest_error(exact, order, substep) for substep in substeps.tolist()]
-        axes.loglog(substeps, errors, "o-", color=colour, lw=2.0, gid=f"order-{order}", label=name)
+        axes.loglog(substeps, errors, "o-", color=colour, gid=f"order-{order}", label=name)
         slope = errors[0] * (substeps / substeps[0]) ** order
         label = text("slope {}").format(order)
         axes.loglog(substeps, slope, "--", color=QUIET, lw=0.9, gid=f"slope-{order}", label=label)
@@ -68,7 +68,7 @@ def _largest_error(exact: Run, order: int, substep: float) -> float:
     # Drawing does without Pymunk, but for this figure.
     from pymunk_dragon.physics import simulate
 
-    begin, end = exact.times[[0, -1]].tolist()
+    begin, end = exact.interval
     run = simulate(
         exact.march,
         guide="none",

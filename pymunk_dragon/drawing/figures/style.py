@@ -73,8 +73,6 @@ _PADDING = 0.1
 BESIDE: dict[str, Any] = {
     "loc": "upper left",
     "bbox_to_anchor": (1, 1),
-    "frameon": False,
-    "labelspacing": 0.8,
 }
 # Fraction of a march without contact before its end that shows no speeds, which are unbounded where
 # a spiral ends.
@@ -87,6 +85,11 @@ _RC_PARAMS: dict[str, Any] = {
     "axes.facecolor": "none",
     "figure.facecolor": COLOURS.background,
     "lines.solid_capstyle": "round",
+    "lines.linewidth": 2.0,
+    "grid.color": RULE,
+    "grid.linewidth": 0.6,
+    "legend.frameon": False,
+    "legend.labelspacing": 0.8,
     # A fixed salt makes the names of clip paths reproducible.
     "svg.hashsalt": "pymunk_dragon",
     **dict.fromkeys(("xtick.labelsize", "ytick.labelsize"), SMALL),
@@ -186,7 +189,7 @@ def logarithmic(axes: Axes, low: float, high: float) -> None:
 
     axes.set(yscale="log", ylim=(low, high))
     axes.yaxis.set(major_formatter=EngFormatter("m"), minor_formatter=NullFormatter())
-    axes.grid(axis="y", color=RULE, lw=0.6)
+    axes.grid(axis="y")
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,6 @@ source), `timing` (times of the frames), `layout` (arranges the scenes, which dr
 source at these times), and `formats` (file).
 """
 
-from __future__ import annotations
-
 import io
 from collections.abc import Callable, Sequence
 from dataclasses import replace

@@ -4,8 +4,6 @@ imageio writes MP4, by FFmpeg, and WebP, by Pillow. GIFs are written here, with 
 of single frames: imageio takes five times as long, and keeps all frames in memory.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain, repeat

@@ -1,7 +1,5 @@
 """Layout of a film's frames: scenes side by side, texts above and below, and a legend."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace

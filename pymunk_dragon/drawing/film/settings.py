@@ -1,7 +1,5 @@
 """Parameters of a film."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field

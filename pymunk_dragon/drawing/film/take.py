@@ -3,8 +3,6 @@
 Each march of a film is searched for its first contact here, at most once.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -56,8 +54,7 @@ class Take(Snapshots):
         """First and last time, s, of the motion in the window: an ended run does not move."""
         if self.run is None:
             return self.window
-        times = self.run.times
-        start, until = np.clip(self.window, times[0], times[-1]).tolist()
+        start, until = np.clip(self.window, *self.run.interval).tolist()
         return start, until
 
     @property
@@ -85,11 +82,11 @@ def shared_window(sources: Sequence[Snapshots]) -> Window:
 
     A run that has ended keeps its last frame.
     """
-    runs = [source.run.times for source in sources if source.run is not None]
-    if not runs:
+    intervals = [source.run.interval for source in sources if source.run is not None]
+    if not intervals:
         return -MAX_TIME, min(MAX_TIME, *(source.march.end for source in sources))
-    begin = max(float(times[0]) for times in runs)
-    return begin, max(float(times[-1]) for times in runs)
+    begins, ends = zip(*intervals, strict=True)
+    return max(begins), max(ends)
 
 
 def takes_of_film(
@@ -130,14 +127,9 @@ def takes_in(
 
     # A march and its runs share one search.
     searches: dict[int, FirstContact | None] = {}
-    for march in (take.march for take in takes):
-        if id(march) in searches:
-            continue
-        interval = _searched([take for take in takes if take.march is march], film)
-        search = None
-        if interval is not None:
-            search = known or _first_contact_until(march, *interval)
-        searches[id(march)] = search
+    for key, march in {id(take.march): take.march for take in takes}.items():
+        own = [take for take in takes if take.march is march]
+        searches[key] = known or _search(march, own, film)
     return tuple(replace(take, search=searches[id(take.march)]) for take in takes)
 
 
@@ -155,16 +147,6 @@ def _default_end(march: March, start: float) -> tuple[FirstContact | None, float
     return search, min(start + _DEFAULT_DURATION, march.end)
 
 
-def _first_contact_until(march: March, start: float, until: float) -> FirstContact:
-    """Search for the first contact of the exact model from `start` to `until`, s.
-
-    A contact at `until` is included.
-    """
-    end = min(until + _CONTACT_MARGIN, march.end)
-    found = first_contact(march, start=start, until=end)
-    return replace(found, time=min(found.time, until))
-
-
 def _beside(source: Snapshots, sources: Sequence[Snapshots]) -> Run | None:
     """Run that is shown beside its exact march, with its position errors.
 
@@ -176,8 +158,11 @@ def _beside(source: Snapshots, sources: Sequence[Snapshots]) -> Run | None:
     return next((run for run in runs if run is not None and not run.is_pulled), None)
 
 
-def _searched(takes: Sequence[Take], film: Film) -> Window | None:
-    """Time interval, s, in which a film needs the search for the takes of one march."""
+def _search(march: March, takes: Sequence[Take], film: Film) -> FirstContact | None:
+    """Search for the first contact in the time for which a film needs it, if it does.
+
+    The `takes` are those of one march.
+    """
     begins = []
     ends = []
     for take in takes:
@@ -188,10 +173,14 @@ def _searched(takes: Sequence[Take], film: Film) -> Window | None:
         beside = take.beside
         if beside and beside.first_contact and beside.first_contact.time <= start:
             # A contact before the window is still shown in it.
-            start = float(beside.times[0])
+            start, _ = beside.interval
         if start < until:
             begins.append(start)
             ends.append(until)
     if not begins:
         return None
-    return min(begins), max(ends)
+    # A contact at the end is included.
+    until = max(ends)
+    end = min(until + _CONTACT_MARGIN, march.end)
+    found = first_contact(march, start=min(begins), until=end)
+    return replace(found, time=min(found.time, until))

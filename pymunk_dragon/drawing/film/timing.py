@@ -7,8 +7,6 @@ rate, and a sigmoid (arctan) for every event, which adds a duration around the e
 plays at `rate` far from all events, and slows down towards each of them.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

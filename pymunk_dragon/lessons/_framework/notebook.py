@@ -1,7 +1,5 @@
 """A lesson as a Jupyter notebook."""
 
-from __future__ import annotations
-
 from pymunk_dragon._extras import library
 from pymunk_dragon._language import in_language, text
 from pymunk_dragon.lessons._framework.lesson import Lesson

@@ -1,7 +1,5 @@
 """A page of lessons: one HTML file with stages, texts in all languages and programs."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from io import BytesIO
@@ -13,7 +11,7 @@ import numpy as np
 
 from pymunk_dragon._checks import function, instances, word
 from pymunk_dragon._extras import library
-from pymunk_dragon._files import check_destination, written_in_place
+from pymunk_dragon._files import check_destination, write_text
 from pymunk_dragon._language import LANGUAGES, in_language, text
 from pymunk_dragon.lessons._framework.lesson import Lesson, blocks
 from pymunk_dragon.lessons._framework.notebook import make_notebook
@@ -100,8 +98,7 @@ def write_lessons(
     else:
         written = run_page(lessons, language, progress)
 
-    with written_in_place(destination) as draft:
-        draft.write_bytes(written.encode("utf-8"))
+    write_text(destination, written)
 
 
 def run_page(
@@ -195,7 +192,7 @@ def packed_runs(runs: Sequence[Run]) -> list[dict[str, Any]]:
     """Runs of a pulled dragon by the drag: handles at even times, and the first contact."""
     found = []
     for run in sorted(runs, key=lambda run: run.provenance["ground_drag"]):
-        begin, end = run.times[[0, -1]].tolist()
+        begin, end = run.interval
         times = np.linspace(begin, end, _STAGE_FRAMES)
         front, rear = run.march.dragon.holes(run.poses_at(times))
         shape, packed = pack(np.hstack([front, rear[:, -1:]]), _STAGE_STEP)

@@ -4,8 +4,6 @@
 there is no such figure.
 """
 
-from __future__ import annotations
-
 import re
 import runpy
 import sys

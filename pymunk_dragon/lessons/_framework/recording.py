@@ -1,7 +1,5 @@
 """Running the program of a lesson: what it printed, and its picture."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

@@ -1,7 +1,5 @@
 """A lesson in a terminal."""
 
-from __future__ import annotations
-
 import os
 import sys
 import tempfile

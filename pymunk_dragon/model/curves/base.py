@@ -83,8 +83,8 @@ class Curve(ABC):
     kind: ClassVar[str | None] = None
     # Turn on which a march begins by default; None on a curve whose turns are not counted.
     default_turns: ClassVar[float | None] = None
-    # Parameters that are flags of the command line: a placeholder of the value, and a description.
-    flags: ClassVar[Mapping[str, tuple[str, str]]] = {}
+    # Parameters that are flags of the command line, and what they are.
+    flags: ClassVar[Mapping[str, str]] = {}
 
     # Distance between neighbouring turns, m, which benches have to be narrower than; None without
     # such turns.
@@ -176,19 +176,9 @@ class Curve(ABC):
         xy = numbers("points", points, 2)
         s = numbers("near", near)
         fitting("points and near", xy.shape[:-1], s.shape)
-        begin, end = self.begin_s, self.end_s
-        s = np.clip(s, begin, end)
-
         # Points far from the path have no foot, but numbers without a meaning.
         with np.errstate(all="ignore"):
-            for _ in range(_FOOT_PASSES):
-                feet, tangents = self.frame(s)
-                along = np.sum((xy - feet) * tangents, axis=-1)
-                step = np.clip(s + along, begin, end) - s
-                s = s + step
-                if np.all(np.abs(step) <= _NEAR_FOOT):
-                    break
-        return s, feet + step[..., None] * tangents, tangents
+            return self._foot(xy, s)
 
     def at_turn(self, turns: float) -> float:
         """Coordinate `turns` turns from the centre, m; an error on a curve without turns."""
@@ -249,6 +239,19 @@ class Curve(ABC):
         points, tangents = self.frame(parameter)
         return as_complex(points), as_complex(tangents)
 
+    def _foot(self, xy: Array, s: Array) -> tuple[Array, Array, Array]:
+        """What `foot` returns, for points (..., 2) and coordinates (...)."""
+        begin, end = self.begin_s, self.end_s
+        s = np.clip(s, begin, end)
+        for _ in range(_FOOT_PASSES):
+            feet, tangents = self.frame(s)
+            along = np.sum((xy - feet) * tangents, axis=-1)
+            step = np.clip(s + along, begin, end) - s
+            s = s + step
+            if np.all(np.abs(step) <= _NEAR_FOOT):
+                break
+        return s, feet + step[..., None] * tangents, tangents
+
     def _estimate(self, heads: Array, parameters: Array, spacings: Array) -> Array:
         """Estimated parameters (H, T) of chains: heads and their parameters (T,), spacings (N, 1).
 
@@ -300,8 +303,7 @@ class PackageCurve(Curve):
 
     def _set(self, **values: Any) -> None:
         """Set attributes of a frozen dataclass."""
-        for name, value in values.items():
-            object.__setattr__(self, name, value)
+        vars(self).update(values)
 
     @abstractmethod
     def _frame(self, s: Array) -> tuple[Array, Array]: ...

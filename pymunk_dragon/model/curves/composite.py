@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -44,8 +44,16 @@ class _Link(NamedTuple):
         return np.clip(parameter + self.parameter_shift, self.first, self.last)
 
 
+class _Joined:
+    """What follows from the pieces of a composite."""
+
+    joints: tuple[float, ...]
+    _parameter_joints: tuple[float, ...]
+    _links: tuple[_Link, ...]
+
+
 @dataclass(frozen=True)
-class Composite(PackageCurve, kind="composite"):
+class Composite(_Joined, PackageCurve, kind="composite"):
     """Curves joined end to begin, without gaps and kinks: they may be 1e-9 m and 1e-9 rad apart.
 
     Its coordinate is 0 where the first piece begins, or where the first piece ends if it comes from
@@ -73,9 +81,6 @@ class Composite(PackageCurve, kind="composite"):
     """
 
     pieces: tuple[Curve, ...]
-    joints: tuple[float, ...] = field(init=False, repr=False, compare=False)
-    _parameter_joints: tuple[float, ...] = field(init=False, repr=False, compare=False)
-    _links: tuple[_Link, ...] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         bound = "one Curve or more"
@@ -106,12 +111,12 @@ class Composite(PackageCurve, kind="composite"):
         self._set(_parameter_joints=tuple(parameter_joints))
         self._set(begin_s=first.begin_s - zero, end_s=pieces[-1].end_s - link.shift)
         ends = []
-        for piece in pieces:
-            ends += [piece.begin_s, piece.end_s, *piece.inner_ends]
-        self._set(inner_ends=tuple(filter(math.isfinite, ends)))
         jumps = list(joints)
-        for each in links:
-            jumps += [jump - each.shift for jump in _inner_jumps(each.curve)]
+        for piece, shift, *_ in links:
+            ends += [piece.begin_s, piece.end_s, *piece.inner_ends]
+            inside = [s for s in piece.curvature_jumps if piece.begin_s < s < piece.end_s]
+            jumps += [s - shift for s in inside]
+        self._set(inner_ends=tuple(filter(math.isfinite, ends)))
         self._set(curvature_jumps=tuple(sorted(jumps)))
 
     def _check_joint(self, number: int, before: Curve, after: Curve) -> None:
@@ -182,20 +187,6 @@ class Composite(PackageCurve, kind="composite"):
             points[here], derivatives[here] = link.curve._motion(link.at(parameter[here]))
         return points, derivatives
 
-    def _estimate(self, heads: Array, parameters: Array, spacings: Array) -> Array:
-        """Estimate of the first piece, if all heads are on it."""
-        if not self.joints or not (heads <= self.joints[0]).all():
-            return super()._estimate(heads, parameters, spacings)
-        first = self._links[0]
-        parameters = parameters + first.parameter_shift
-        estimate = first.curve._estimate(first.on(heads), parameters, spacings)
-        return estimate - first.parameter_shift
-
-
-def _inner_jumps(curve: Curve) -> list[float]:
-    """Coordinates of a curve, between its ends, at which its curvature may jump, m."""
-    return [jump for jump in curve.curvature_jumps if curve.begin_s < jump < curve.end_s]
-
 
 def _last_parameter(curve: Curve) -> float:
     """Parameter at the end of a curve."""
@@ -260,9 +251,6 @@ class Section(PackageCurve, kind="section"):
 
     def _motion(self, parameter: Array) -> tuple[Complex, Complex]:
         return self.curve._motion(parameter)
-
-    def _estimate(self, heads: Array, parameters: Array, spacings: Array) -> Array:
-        return self.curve._estimate(heads, parameters, spacings)
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ It is a spline, cut so short that arc length and curvature are right to the last
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cache
 from math import comb
 from pathlib import Path
@@ -55,8 +55,20 @@ _ROUNDING = 1e-9
 _MAX_HALVINGS = 40
 
 
+class _Cells:
+    """What follows from the points of a path: C cells."""
+
+    # Coefficients (C, 4) of 1, w, w^2, w^3 for w from 0 to 1, m.
+    _cubics: Complex
+    # Bounds on the curvatures (C,), 1/m.
+    _curvatures: Array
+    # Lengths, m, and coordinates at which cells begin and the last one ends, (C + 1,), m.
+    _lengths: Array
+    _edges: Array
+
+
 @dataclass(frozen=True, eq=False)
-class Sampled(ArrayRecord, PackageCurve, kind="sampled"):
+class Sampled(ArrayRecord, _Cells, PackageCurve, kind="sampled"):
     """Smooth path through points: the cubic spline by chord length, with not-a-knot ends.
 
     Its curvature is continuous. It begins at the first point and ends at the last one; the
@@ -83,14 +95,6 @@ class Sampled(ArrayRecord, PackageCurve, kind="sampled"):
     begin_s = 0.0
 
     points: Array
-    # C cells: coefficients (C, 4) of 1, w, w^2, w^3 for w from 0 to 1, m; bounds on the curvatures
-    # (C,), 1/m.
-    _cubics: Complex = field(init=False, repr=False, compare=False)
-    _curvatures: Array = field(init=False, repr=False, compare=False)
-    # Lengths of the cells, m, and coordinates at which they begin and the last one ends, (C + 1,),
-    # m.
-    _lengths: Array = field(init=False, repr=False, compare=False)
-    _edges: Array = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         points = _checked(self.points)
@@ -270,8 +274,7 @@ def _travelled(cubics: Complex, w: Array | float) -> Array:
     nodes, weights = _gauss()
     speeds = weights * _speed(cubics, nodes * w)
     # Not NumPy's sum, whose rounding depends on n.
-    length: Array = w * sum(speeds[1:], start=speeds[0])
-    return length
+    return np.asarray(w * sum(speeds[1:], start=speeds[0]))
 
 
 def _speed(cubics: Complex, w: Array | float) -> Array:
@@ -281,13 +284,11 @@ def _speed(cubics: Complex, w: Array | float) -> Array:
 
 def _velocity(cubics: Complex, w: Array | float) -> Complex:
     _, one, two, three = cubics.T
-    velocity: Complex = one + w * (2 * two + w * (3 * three))
-    return velocity
+    return np.asarray(one + w * (2 * two + w * (3 * three)))
 
 
 def _curvature(cubics: Complex, w: Array | float) -> Array:
     """Curvature (n,) in 1/m, positive to the left, of cubics (n, 4) at w (n,)."""
     velocity = _velocity(cubics, w)
     change = 2 * cubics[:, 2] + 6 * w * cubics[:, 3]
-    curvatures: Array = (velocity.conj() * change).imag / np.abs(velocity) ** 3
-    return curvatures
+    return np.asarray((velocity.conj() * change).imag / np.abs(velocity) ** 3)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pymunk_dragon._arrays import Array, Complex, as_complex, as_vectors
-from pymunk_dragon._checks import finite, fitting, instance, numbers, positive
+from pymunk_dragon._checks import finite, instance, numbers, positive
 from pymunk_dragon.model.curves.base import PackageCurve, within_reach
 
 # m. No bench fits into a narrower turn.
@@ -55,7 +55,7 @@ class Spiral(PackageCurve, kind="spiral"):
 
     # On the reference scenario's spiral, the point (8.8, 0) m.
     default_turns = 16.0
-    flags: ClassVar = {"pitch": ("M", "Distance between the turns of the spiral, m.")}
+    flags: ClassVar = {"pitch": "Distance between the turns of the spiral, m."}
 
     pitch: float = 0.55
     rotation: float = 0.0
@@ -132,21 +132,12 @@ class Spiral(PackageCurve, kind="spiral"):
         """The curvature at the inner end: it decreases outward."""
         return np.abs(self._curvature(lower if self.outward else upper))
 
-    def foot(self, points: ArrayLike, near: ArrayLike) -> tuple[Array, Array, Array]:
-        """Feet at the polar angles of `points`: a division replaces four sines.
+    def _foot(self, xy: Array, s: Array) -> tuple[Array, Array, Array]:
+        """Feet at the polar angles of points: a division replaces four sines.
 
         Guides call this at every substep, and most of its time is NumPy's for each call: so there
         are few, in place.
         """
-        xy = numbers("points", points, 2)
-        s = numbers("near", near)
-        fitting("points and near", xy.shape[:-1], s.shape)
-        # Points far from the path have no foot, but numbers without a meaning.
-        with np.errstate(all="ignore"):
-            return self._foot(xy, s)
-
-    def _foot(self, xy: Array, s: Array) -> tuple[Array, Array, Array]:
-        """What `foot` returns, for points (..., 2) and coordinates (...)."""
         z = _turned(as_complex(xy), -self.rotation)
         theta = np.arctan2(z.imag, z.real)
         # The angle at `near` to a few hundredths, except on the innermost turn: enough to identify
@@ -230,8 +221,7 @@ def _turned(vectors: Complex, angle: float) -> Complex:
 
 def _rise(theta: Array) -> Array:
     """Arc length over k per radian. Angles are far too small for their squares to overflow."""
-    rise: Array = np.sqrt(theta * theta + 1)
-    return rise
+    return np.sqrt(theta * theta + 1)
 
 
 def _unit_vector(half: Array) -> Complex:

@@ -23,8 +23,18 @@ _MAX_RADIUS = 100.0
 _MAX_RATIO = 50.0
 
 
+class _Shape:
+    """What follows from the parameters of a turn."""
+
+    length: float
+    sweeps: Array
+    radii: Array
+    tangent_points: Array
+    centres: Array
+
+
 @dataclass(frozen=True, kw_only=True)
-class UTurn(Composite, kind="u-turn"):
+class UTurn(_Shape, Composite, kind="u-turn"):
     """In on a spiral, round inside a circle on two arcs that touch, and out on another spiral.
 
     The way out is the spiral turned by 180 degrees. The coordinate is 0 at the entry to the circle.
@@ -59,20 +69,15 @@ class UTurn(Composite, kind="u-turn"):
     """
 
     flags: ClassVar = {
-        "pitch": ("M", "Distance between the turns of the spiral, m."),
-        "radius": ("M", "Radius of the circle in which a u-turn is made, m."),
-        "ratio": ("X", "Radius of a u-turn's first arc over that of its second."),
+        "pitch": "Distance between the turns of the spiral, m.",
+        "radius": "Radius of the circle in which a u-turn is made, m.",
+        "ratio": "Radius of a u-turn's first arc over that of its second.",
     }
 
     pieces: tuple[Curve, ...] = field(init=False, repr=False, compare=False)
     pitch: float = 1.7
     radius: float = 4.5
     ratio: float = 2.0
-    length: float = field(init=False, repr=False, compare=False)
-    sweeps: Array = field(init=False, repr=False, compare=False)
-    radii: Array = field(init=False, repr=False, compare=False)
-    tangent_points: Array = field(init=False, repr=False, compare=False)
-    centres: Array = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         inward = Spiral(pitch=self.pitch)

@@ -116,6 +116,7 @@ function decodeFrame(buffer) {
     bodies: [],
   };
   let offset = 4 + length;
+  frame.numbers = new Float64Array(buffer, offset);
   for (const [name, size] of Object.entries(header.sizes)) {
     frame[name] = new Float64Array(buffer, offset, size);
     offset += frame[name].byteLength;

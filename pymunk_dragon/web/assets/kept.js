@@ -28,7 +28,8 @@ class Kept {
   // With the first picture.
   begin() {
     if (this.first) return;
-    this.first = new Map([...this.things].map(([name, { get }]) => [name, get()]));
+    // Copies, as a dragged point may change in its list.
+    this.first = new Map([...this.things].map(([name, { get }]) => [name, structuredClone(get())]));
     this.take();
   }
 

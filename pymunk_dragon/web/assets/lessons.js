@@ -176,18 +176,24 @@ for (const lesson of /** @type {NodeListOf<HTMLElement>} */ (
 const SWEEP = 6000; // ms from one end of what moves to the other
 const STILL = 0.6; // share of that which stands still
 
-/** @type {(card: HTMLAnchorElement) => void} */
-function depict(card) {
-  const name = card.hash.slice(1);
+// A picture of a stage without controls; where an engine plays, of what was recorded.
+/** @type {(name: string, place: Element) => Lab} */
+function pictureOf(name, place) {
   const film = document.getElementById(`${name}-film`);
   const lab = new Lab(created("div"));
   lab.film = film && JSON.parse(film.textContent);
   lab.isSmall = true;
   stages[name](lab);
-  partOf(card, ".picture").append(lab.canvas);
+  place.append(lab.canvas);
   lab.readColours();
   lab.watch();
   document.addEventListener("languagechange", () => lab.requestDraw());
+  return lab;
+}
+
+/** @type {(card: HTMLAnchorElement) => void} */
+function depict(card) {
+  const lab = pictureOf(card.hash.slice(1), partOf(card, ".picture"));
 
   let begin = 0; // ms: 0 while it stands still
   /** @type {(now: number) => void} */
@@ -214,6 +220,16 @@ for (const card of document.querySelectorAll(".card")) {
   const stage = partOf(document, `${card.getAttribute("href")} .stage`);
   const drawn = !stage.dataset.scene || document.getElementById(`${stage.dataset.stage}-film`);
   if (drawn) whenSeen(card, () => depict(/** @type {HTMLAnchorElement} */ (card)));
+}
+
+// ---- until an engine plays, a stage whose program has recorded no film shows how it begins
+
+for (const place of document.querySelectorAll("figure .picture")) {
+  whenSeen(place, () => {
+    const lab = pictureOf(partOf(place.closest(".lesson") ?? root, ".stage").dataset.stage, place);
+    lab.sweep(0);
+    lab.isSmall = false; // with its charts
+  });
 }
 
 // ---- films that repeat can be paused: then a still picture takes their place

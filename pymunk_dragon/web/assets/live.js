@@ -69,6 +69,11 @@ class Live extends Stage {
     this.fits = false;
     this.fitted = false;
     this.drawn = 0;
+    // Whether the next picture differs from the one before, and what it was drawn with.
+    this.stale = true;
+    this.look = "";
+    /** @type {boolean | null} */
+    this.asked = null; // whether the server sends contacts; null before it was told
     // Keys of the scene that are down: what holds each, and the names that were sent.
     /** @type {Map<string, string>} */
     this.pressed = new Map();
@@ -115,7 +120,7 @@ class Live extends Stage {
   /** @type {(buffer: ArrayBuffer) => void} */
   receiveFrame(buffer) {
     this.newest = this.frames.decode(buffer) ?? this.newest;
-    this.requestDraw();
+    super.requestDraw();
   }
 
   /** @type {(scene: LiveScene) => void} */
@@ -219,6 +224,7 @@ class Live extends Stage {
   /** @type {(open: boolean) => void} */
   showConnection(open) {
     element("lost").hidden = open;
+    this.asked = null;
     if (!open) {
       this.tools.drop();
       // The server has released them.
@@ -234,9 +240,12 @@ class Live extends Stage {
     const frame = this.newest;
     this.newest = null;
     if (frame.generation !== this.scene?.generation) return;
+    const before = this.frame;
+    const same = before !== null && looksAlike(before, frame);
     this.frame = frame;
     this.cachedMoment = null;
-    frame.calls = this.frames.callsOf(frame);
+    frame.calls = same ? before.calls : this.frames.callsOf(frame);
+    this.stale ||= !same;
     this.charts.add(frame);
   }
 
@@ -256,11 +265,34 @@ class Live extends Stage {
     this.aims = this.pixel === null && element("field").matches(":focus-visible");
     tools.flush();
     this.scales.include(this.moment, now);
-    this.painter.draw(this.picture);
+    this.askForContacts();
+    this.paint();
     this.recorder.add();
     this.charts.draw(frame, state, now);
     showFrame(this);
     this.drawn += 1;
+  }
+
+  requestDraw() {
+    this.stale = true;
+    super.requestDraw();
+  }
+
+  // Draw what has changed since the last picture.
+  paint() {
+    const { view, scales, aims } = this;
+    const tops = [...EFFORTS, "impulse"].map((kind) => scales[/** @type {Kind} */ (kind)].top);
+    const look = JSON.stringify([aims, tops, view]);
+    if (this.stale || look !== this.look) this.painter.draw(this.picture);
+    this.stale = false;
+    this.look = look;
+  }
+
+  // Have the server leave out contacts that are not shown.
+  askForContacts() {
+    const { contacts } = this.switches;
+    if (contacts !== this.asked) this.send({ do: "show", contacts });
+    this.asked = contacts;
   }
 
   /** @returns {LivePicture} */

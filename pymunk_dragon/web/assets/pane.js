@@ -103,6 +103,8 @@ class Pane {
     this.left = left;
     this.ceiling = this.top + above;
     for (const x of tickAcross ? ticks(x0, x1, this.sx / apartAcross) : []) {
+      const value = tickAcross?.(x);
+      if (!value) continue;
       this.line(
         [
           [x, y0],
@@ -110,7 +112,7 @@ class Pane {
         ],
         { colour: "rule" },
       );
-      this.text([x, y0], tickAcross?.(x) ?? "", { dy: 15, colour: "quiet" });
+      this.text([x, y0], value, { dy: 15, colour: "quiet" });
     }
     for (const y of apart < Infinity ? ticks(y0, y1, this.sy / apart) : []) {
       this.line(

@@ -216,6 +216,8 @@ class Played {
   /** @type {(pane: StagePane, point: Numbers) => void} */
   grab(pane, [x, y]) {
     this.holds = true;
+    // What rests would not follow the hand.
+    if (!this.running) this.send({ do: "play" });
     this.send({ do: "grab", x, y, slip: HAND_SLIP / pane.sx });
   }
 

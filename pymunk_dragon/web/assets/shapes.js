@@ -4,7 +4,8 @@ const SHAPE_OUTLINE = 1; // pixels
 const JOINT_WIDTH = 1.5; // pixels
 const DOT_SIZE = 0.6; // radius of a dot over Pymunk's
 // Outlines that share a path, because drawing a path costs more than extending it. Closing a part
-// takes the longer the longer the path is; circles are not closed.
+// takes the longer the longer the path is; circles are not closed. What is filled has a path each:
+// browsers fill a convex shape, and above all a circle alone in its path, several times as fast.
 const MOST_CIRCLES = 1000;
 const MOST_OTHERS = 50;
 
@@ -56,8 +57,8 @@ function drawCalls({ context, view }, { calls }) {
   /** @type {Call[]} */
   let run = [];
   for (const call of calls) {
-    const [[x, y]] = call.points;
-    if (!view.isVisible(x, y, call.reach)) continue;
+    const first = call.points[0];
+    if (!view.isVisible(first[0], first[1], call.reach)) continue;
     const most = call.kind === "circle" ? MOST_CIRCLES : MOST_OTHERS;
     if (run.length >= most || !(run.length && sharesPaint(run[0], call))) {
       paintCalls(context, view, run);
@@ -74,50 +75,62 @@ function sharesPaint(one, two) {
   return two.opaque && alike && (one.kind === "line") === (two.kind === "line");
 }
 
-// Paint calls of the same colours: first what is filled, where the browser is fast at convex shapes
-// one by one, and at circles together, then all lines.
+// Paint calls of the same colours: first what is filled, then all lines.
 /** @type {(context: CanvasRenderingContext2D, view: View, calls: Call[]) => void} */
 function paintCalls(context, view, calls) {
   if (!calls.length) return;
   const [{ kind, fill, outline }] = calls;
-  const screen = calls.map(({ points }) => points.map((point) => view.toScreen(...point)));
+  const screen = calls.map((call) => pixelsOf(view, call));
   context.fillStyle = fill;
   context.strokeStyle = outline ?? fill;
   context.lineWidth = outline ? SHAPE_OUTLINE : JOINT_WIDTH;
   if (kind !== "line") {
-    const discs = new Path2D();
     calls.forEach((call, k) => {
-      const isRound = call.points.length === 1;
-      if (!isRound) context.beginPath();
-      addCall(isRound ? discs : context, view, call, screen[k]);
-      if (!isRound) context.fill();
+      context.beginPath();
+      if (call.points.length > 1) addCall(context, view, call, screen[k]);
+      else context.arc(screen[k][0][0], screen[k][0][1], radiusOf(view, call), 0, TURN);
+      context.fill();
     });
-    context.fill(discs);
     if (!outline) return;
   }
   context.beginPath();
   calls.forEach((call, k) => {
     addCall(context, view, call, screen[k]);
-    if (call.kind === "circle") addSpoke(context, view, call, screen[k]);
+    if (call.kind === "circle") addSpoke(context, view, call, screen[k][0]);
   });
   context.lineCap = outline ? "butt" : "round";
   context.stroke();
   context.lineCap = "round";
 }
 
-/** @type {(path: CanvasPath, view: View, call: Call, corners: Point[]) => void} */
-function addCall(path, view, { kind, radius }, corners) {
-  if (kind === "line") {
-    corners.forEach((corner, i) => path[i ? "lineTo" : "moveTo"](...corner));
-    return;
+// The points of a call on the screen, in an array that is kept.
+/** @type {(view: View, call: Call) => Point[]} */
+function pixelsOf(view, call) {
+  const { points } = call;
+  const screen = (call.screen ??= points.map(() => [0, 0]));
+  for (let k = 0; k < points.length; k++) {
+    screen[k][0] = (points[k][0] - view.x) * view.scale + view.width / 2;
+    screen[k][1] = (view.y - points[k][1]) * view.up * view.scale + view.height / 2;
   }
-  const distance = Math.max(radius * view.scale, kind === "segment" ? 0.5 : 0);
-  addOutline(path, corners, kind === "dot" ? DOT_SIZE * radius : distance);
+  return screen;
+}
+
+/** @type {(view: View, call: Call) => number} */
+function radiusOf(view, { kind, radius }) {
+  if (kind === "dot") return DOT_SIZE * radius;
+  return Math.max(radius * view.scale, kind === "segment" ? 0.5 : 0);
+}
+
+/** @type {(path: CanvasPath, view: View, call: Call, corners: Point[]) => void} */
+function addCall(path, view, call, corners) {
+  if (call.kind === "line") {
+    corners.forEach((corner, i) => path[i ? "lineTo" : "moveTo"](...corner));
+  } else addOutline(path, corners, radiusOf(view, call));
 }
 
 // A line from the centre shows how a circle turns.
-/** @type {(path: CanvasPath, view: View, call: Call, centre: Point[]) => void} */
-function addSpoke(path, view, { radius, angle }, [[px, py]]) {
+/** @type {(path: CanvasPath, view: View, call: Call, centre: Point) => void} */
+function addSpoke(path, view, { radius, angle }, [px, py]) {
   const length = radius * view.scale;
   path.moveTo(px, py);
   path.lineTo(px + length * Math.cos(angle), py - view.up * length * Math.sin(angle));

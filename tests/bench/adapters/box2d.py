@@ -48,11 +48,13 @@ class Engine(Box2D.b2ContactListener):  # type: ignore[misc]  # Box2D has no typ
                 else:
                     self.world.CreateRevoluteJoint(**bodies, **ends)
 
-    def BeginContact(self, contact: Box2D.b2Contact) -> None:  # noqa: N802  # Box2D's name.
+    # Box2D's name.
+    def BeginContact(self, contact: Box2D.b2Contact) -> None:  # noqa: N802
         first, second = contact.fixtureA.body.userData, contact.fixtureB.body.userData
         self.touched.append((min(first, second), max(first, second)))
 
-    def PreSolve(self, contact: Box2D.b2Contact, old: object) -> None:  # noqa: N802  # Box2D's name.
+    # Box2D's name.
+    def PreSolve(self, contact: Box2D.b2Contact, old: object) -> None:  # noqa: N802
         contact.enabled = False
 
     def move(self, number: int) -> None:
