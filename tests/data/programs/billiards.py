@@ -64,7 +64,7 @@ def on_draw(space, draw):
         draw.circle(each, 1.2 * RADIUS, color="black", fill="black")
     white = space.white.position
     draw.arrow(white, white + 0.3 * pymunk.Vec2d.from_polar(1, space.aim), color="teal")
-    draw.text((WIDTH / 2, HEIGHT + 0.09), f"{len(space.bodies) - 1} balls on the table")
+    draw.text((WIDTH / 4, HEIGHT + 0.09), f"{len(space.bodies) - 1} balls on the table")
 
 
 controls = [
