@@ -88,7 +88,7 @@ def separation(first: ArrayLike, second: ArrayLike) -> Separation:
     """
     one = coordinates("first", first, 4, 2)
     two = coordinates("second", second, 4, 2)
-    shape = fitting("first and second", one.shape[:-2], two.shape[:-2])
+    shape = fitting("first and second", one.shape, two.shape)[:-2]
     corners = np.empty((2, 4, *shape), dtype=complex)
     sides = np.moveaxis(corners, 1, -1)
     sides[0] = as_complex(one)

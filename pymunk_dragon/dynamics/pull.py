@@ -184,13 +184,13 @@ class _Pulled:
         spins = states.pose_velocities[0, self.free_from :, 2]
         return np.concatenate([angles, spins])
 
-    def leader(self, begin: float, end: float) -> Leader:
-        """The handles that are held between two times, s, between which no acceleration jumps."""
+    def lead(self, begin: float, end: float) -> None:
+        """Take the handles that are held between two times, s, where no acceleration jumps."""
+        handles = self.free_from + 1
         window = begin, end
-        drag_rate = self.chain.drag_rate
-        return Leader(self.march, self.free_from + 1, drag_rate, window, self.tolerance)
+        self.leader = Leader(self.march, handles, self.chain.drag_rate, window, self.tolerance)
 
-    def solver(self, leader: Leader, begin: float, state: Array, end: float) -> Any:
+    def solver(self, begin: float, state: Array, end: float) -> Any:
         """SciPy's integrator from a state at `begin` to `end`, s."""
         top_speed = self.march.speed_profile.fastest(begin, end)
         absolute = np.full(state.size, _ABSOLUTE * self.tolerance)
@@ -198,21 +198,19 @@ class _Pulled:
         longest = _LONGEST_STEP * float(self.march.dragon.spacings.min()) / top_speed
 
         def rates(time: float, state: Array) -> Array:
-            return self.chain.rates(state, leader.lead(time))
+            return self.chain.rates(state, self.leader.lead(time))
 
         method = "RK45" if self.tolerance >= _COARSE else "DOP853"
         tolerances = {"rtol": self.tolerance, "atol": absolute}
         integrator = getattr(library("scipy.integrate"), method)
         return integrator(rates, begin, state, end, max_step=longest, **tolerances)
 
-    def bodies(self, leader: Leader, times: Array, states: Array) -> Bodies:
+    def bodies(self, times: Array, states: Array) -> Bodies:
         """Poses and rates (T, N, 3) of all benches for states (T, 2 M)."""
-        held, moving = leader.handles(times)
+        held, moving = self.leader.handles(times)
         angles, spins = np.split(states, 2, axis=1)
         # Several times as fast as the exponential function of complex numbers.
-        benches: Complex = np.empty(angles.shape, dtype=complex)
-        benches.real = self._spacings * np.cos(angles)
-        benches.imag = self._spacings * np.sin(angles)
+        benches = self._spacings * (np.cos(angles) + 1j * np.sin(angles))
         points = _behind(held, benches)
         velocities = _behind(moving, 1j * spins * benches)
         along = held[:, :-1] - held[:, 1:]
@@ -229,11 +227,8 @@ def _behind(handles: Complex, benches: Complex) -> Complex:
 
 def _triples(handles: Complex, angles: Array) -> Array:
     """Poses (T, N, 3), or their rates, from those of the handles (T, N + 1) and angles (T, N)."""
-    triples = np.empty((*angles.shape, 3))
-    triples[..., 0] = (handles.real[:, :-1] + handles.real[:, 1:]) / 2
-    triples[..., 1] = (handles.imag[:, :-1] + handles.imag[:, 1:]) / 2
-    triples[..., 2] = angles
-    return triples
+    centres = (handles[:, :-1] + handles[:, 1:]) / 2
+    return np.stack([centres.real, centres.imag, angles], axis=-1)
 
 
 class _Recorder:
@@ -265,26 +260,26 @@ class _Recorder:
         state = self._pulled.state(start)
         ends = cuts(march, start, until, self._pulled.free_from + 1)
         for begin, end in pairwise(ends):
-            leader = self._pulled.leader(begin, end)
+            self._pulled.lead(begin, end)
             if begin == start:
-                self._begin(leader, start, state)
-            solver = self._pulled.solver(leader, begin, state, end)
+                self._begin(start, state)
+            solver = self._pulled.solver(begin, state, end)
             while solver.status == "running":
                 message = solver.step()
                 if solver.status == "failed":
                     raise DragonError(f"no motion after t = {solver.t:.6g} s: {message}")
-                self._take(leader, solver, state)
+                self._take(solver, state)
                 state = solver.y
 
-    def _begin(self, leader: Leader, start: float, state: Array) -> None:
+    def _begin(self, start: float, state: Array) -> None:
         """Keep the first frame, and a contact in it."""
-        bodies = self._pulled.bodies(leader, self._times[:1], state[None])
-        self._keep(leader, self._times[:1], state[None], bodies)
+        bodies = self._pulled.bodies(self._times[:1], state[None])
+        self._keep(self._times[:1], state[None], bodies)
         pair = self._search.touching(bodies.part(0))
         if pair is not None:
             self.contact = self._contact(start, pair, bodies.part(0))
 
-    def _take(self, leader: Leader, solver: Any, before: Array) -> None:
+    def _take(self, solver: Any, before: Array) -> None:
         """Search a step, which began in the state `before`, and keep its frames."""
         begin = float(solver.t_old)
         end = float(solver.t)
@@ -295,23 +290,22 @@ class _Recorder:
             return np.asarray(interpolant()(times).T)
 
         def at(times: Array) -> Bodies:
-            return self._pulled.bodies(leader, times, states(times))
+            return self._pulled.bodies(times, states(times))
 
         frames = self._times[(begin < self._times) & (self._times <= end)]
         known = np.array([before, solver.y])
         if frames.size:
             known = np.concatenate([known, states(frames)])
-        bodies = self._pulled.bodies(leader, np.array([begin, end, *frames]), known)
+        bodies = self._pulled.bodies(np.array([begin, end, *frames]), known)
         if self.contact is None:
             found = self._search.first_touch(Step(begin, end, bodies.part(slice(2)), at))
             if found is not None:
-                self._confirm(leader, (begin, end), before, *found)
+                self._confirm((begin, end), before, *found)
         if frames.size:
-            self._keep(leader, frames, known[2:], bodies.part(slice(2, None)))
+            self._keep(frames, known[2:], bodies.part(slice(2, None)))
 
     def _confirm(
         self,
-        leader: Leader,
         window: tuple[float, float],
         before: Array,
         time: float,
@@ -326,11 +320,11 @@ class _Recorder:
         for _ in range(_CORRECTIONS):
             state = before
             if time > begin:
-                solver = self._pulled.solver(leader, begin, before, time)
+                solver = self._pulled.solver(begin, before, time)
                 while solver.status == "running":
                     solver.step()
                 state = solver.y
-            bodies = self._pulled.bodies(leader, np.array([time]), state[None])
+            bodies = self._pulled.bodies(np.array([time]), state[None])
             contact = self._contact(time, pair, bodies.part(0))
             closing = _closing_rate(contact, bodies.part(0))
             correction = -contact.depth / closing if closing > 0 else 0.0
@@ -338,14 +332,15 @@ class _Recorder:
                 break
             time = min(max(time + correction, begin), end)
         self.contact = replace(contact, depth=0.0)
-        self._keep(leader, np.array([contact.time]), state[None], bodies)
+        self._keep(np.array([contact.time]), state[None], bodies)
 
-    def _keep(self, leader: Leader, times: Array, states: Array, bodies: Bodies) -> None:
+    def _keep(self, times: Array, states: Array, bodies: Bodies) -> None:
         """Keep frames of states (T, 2 M), and of their bodies (T, N, 3)."""
         forces = []
         for time, state in zip(times.tolist(), states, strict=True):
             angles, spins = state.reshape(2, -1)
-            forces.append(self._pulled.chain.forces(angles, spins, leader.lead(time)))
+            lead = self._pulled.leader.lead(time)
+            forces.append(self._pulled.chain.forces(angles, spins, lead))
         self._frames.append((times, bodies, np.array(forces)))
 
     def _contact(self, time: float, pair: tuple[int, int], bodies: Bodies) -> Contact:

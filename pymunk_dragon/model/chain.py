@@ -226,26 +226,18 @@ def _solve_block(
 
     for _ in range(_WHOLE_PASSES):
         points, derivatives = path._motion(parameters)
-        benches = points[:-1] - points[1:]
-        np.conjugate(benches, out=benches)
+        benches = (points[:-1] - points[1:]).conj()
         # 2 F.
-        step = np.square(benches.real)
-        step += np.square(benches.imag)
-        step -= lengths**2
-        error = step * (0.5 / lengths)
-        error = np.abs(error, out=error).max(axis=0, initial=0)
+        twice = benches.real**2 + benches.imag**2 - lengths**2
+        error = np.abs(twice * (0.5 / lengths)).max(axis=0, initial=0)
         if converged.all():
             break
         if not (known <= _SAME_DERIVATIVES * shortest).all():
             ratios, behind = _ratios(benches, derivatives)
-            behind *= ratios[1:]
-            weights = 0.5 / behind
+            weights = 0.5 / (behind * ratios[1:])
             known = error
-        step *= weights
-        np.cumsum(step, axis=0, out=step)
-        step *= ratios[1:]
-        if converged.any():
-            step[:, converged] = 0
+        step = np.cumsum(twice * weights, axis=0) * ratios[1:]
+        step[:, converged] = 0
         parameters[1:] += step
         converged |= error * known <= (_WHOLE_ERROR * shortest) ** 2
 
@@ -262,8 +254,7 @@ def _solve_block(
     into.points[:] = points
     # NumPy multiplies complex numbers several times as fast as it divides them.
     into.tangents[:] = derivatives * (1 / speeds)
-    speeds /= speeds[0].copy()
-    np.multiply(ratios, speeds, out=into.ratios)
+    into.ratios[:] = ratios * (speeds / speeds[0])
     return converged
 
 

@@ -29,7 +29,7 @@ are followed along the chain as well.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable
+from collections.abc import Callable, Hashable
 from functools import cached_property
 from typing import Any, TypeVar, cast
 
@@ -135,16 +135,7 @@ class Continuation:
         if not rows.size:
             return lows, highs
 
-        # Where no handle may reverse, the ranges end at the two states.
-        branches = self._branches[: spacings.size]
-        reversing = np.zeros(rows.size, dtype=bool)
-        for i, branch in enumerate(branches):
-            reversing |= branch.hidden(lows[rows, i], highs[rows, i]) > 0
-        rows = rows[reversing]
-
-        for i, branch in enumerate(branches):
-            if not rows.size:
-                break
+        for i, branch in enumerate(self._branches[: spacings.size]):
             # Chains whose rest is gentle move in one direction.
             gentle = self._gentle(lows[rows, i], highs[rows, i], spacings[i:])
             rest = rows[gentle]
@@ -154,8 +145,7 @@ class Continuation:
             if not rows.size:
                 break
             # The others are followed through the function of this bench.
-            known = [(state[rows, i], state[rows, i + 1]) for state in (first, last)]
-            low, high = branch.image(lows[rows, i], highs[rows, i], known)
+            low, high = branch.image(lows[rows, i], highs[rows, i])
             hidden = branch.hidden(lows[rows, i], highs[rows, i])
             lows[rows, i + 1] = low - hidden
             highs[rows, i + 1] = high + hidden
@@ -215,11 +205,8 @@ class Continuation:
             rows = rows[~gentle]
             if not rows.size:
                 break
-            branch.cover(lows[rows].min(), highs[rows].max())
-            fronts = handles_s[rows, i]
-            rears = branch.rear(fronts)
-            known = (self.start[i], self.start[i + 1]), (fronts, rears)
-            lows[rows], highs[rows] = branch.image(lows[rows], highs[rows], known)
+            lows[rows], highs[rows] = branch.image(lows[rows], highs[rows])
+            rears = branch.rear(handles_s[rows, i])
             lost = np.isnan(lows[rows] + highs[rows])
             handles_s[rows, i + 1] = np.where(lost, np.nan, rears)
         return handles_s
@@ -285,24 +272,15 @@ class _Branch:
         shortest = np.where(inside, shortest, np.nan)
         return rear_between(self._curve, fronts, self._chord, shortest, longest)
 
-    def image(
-        self, lows: Array, highs: Array, known: Iterable[tuple[Array, Array]]
-    ) -> tuple[Array, Array]:
+    def image(self, lows: Array, highs: Array) -> tuple[Array, Array]:
         """Lowest and highest rear coordinates (T,) for fronts from `lows` to `highs`.
 
-        They are nan where the function ends. Pairs of fronts and rears are `known`.
+        They are nan where the function ends.
         """
         self.cover(lows.min(), highs.max())
-        fronts = np.stack([lows, highs])
-        rears = np.full(fronts.shape, np.nan)
-        for front, rear in known:
-            rears = np.where(fronts == front, rear, rears)
-        missing = np.isnan(rears)
-        if missing.any():
-            rears[missing] = self.rear(fronts[missing])
-
-        low = np.minimum(*rears)
-        high = np.maximum(*rears)
+        ends = self.rear(lows), self.rear(highs)
+        low = np.minimum(*ends)
+        high = np.maximum(*ends)
         for front_s, rear_s in self._reversals:
             passed = np.where((lows < front_s) & (front_s < highs), rear_s, low)
             low = np.minimum(low, passed)
@@ -310,8 +288,10 @@ class _Branch:
         return low, high
 
     def hidden(self, lows: Array, highs: Array) -> Array:
-        """How far reversals may move the rear handle for fronts from `lows` to `highs` (T,), m."""
-        self.cover(lows.min(), highs.max())
+        """How far reversals may move the rear handle for fronts from `lows` to `highs` (T,), m.
+
+        The function has been followed to these.
+        """
         found = np.zeros(lows.shape)
         for low, high, hidden in self._possible_reversals:
             # A cell that is only touched adds nothing, so it does not matter whether it is known.

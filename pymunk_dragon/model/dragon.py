@@ -116,10 +116,8 @@ class Dragon:
     @cached_property
     def spacings(self) -> Array:
         """Distance between the two holes of each bench, (N,), m."""
-        spacings = np.empty(self.benches)
-        spacings[0] = self.head_spacing
-        spacings[1:] = self.body_spacing
-        return read_only(spacings)
+        body = np.full(self.benches - 1, self.body_spacing)
+        return read_only(np.append(self.head_spacing, body))
 
     @cached_property
     def overhangs(self) -> Array:
@@ -287,9 +285,5 @@ def headings(poses: Array) -> Complex:
 
 def _rectangles(centres: Complex, along: Complex, left: Complex) -> Complex:
     """Corners (..., 4) of rectangles from their centres and half their sides (...)."""
-    shape = np.broadcast_shapes(centres.shape, left.shape)
-    corners: Complex = np.empty((*shape, 4), dtype=complex)
     offsets = (-along - left, along - left, along + left, left - along)
-    for k, corner in enumerate(offsets):
-        np.add(centres, corner, out=corners[..., k])
-    return corners
+    return np.stack([centres + offset for offset in offsets], axis=-1)

@@ -86,8 +86,8 @@ class States(ArrayRecord):
         """Time, handle, position and speed for every time and each of the `handles`."""
         times, chosen, positions, speeds = self.to_dict(handles).values()
         rows = []
-        for time, points, values in zip(times, positions, speeds, strict=True):
-            for handle, (x, y), speed in zip(chosen, points, values, strict=True):
+        for time, *states in zip(times, positions, speeds, strict=True):
+            for handle, (x, y), speed in zip(chosen, *states, strict=True):
                 rows.append((time, handle, x, y, speed))
         return rows
 

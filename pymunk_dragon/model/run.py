@@ -224,7 +224,7 @@ class Run(ArrayRecord, _Origin):
             )
             lines.append(drift.format(head=1e3 * self.head_drift, largest=1e3 * self.max_drift))
             if speed := self.to_dict()["realtime_factor"]:
-                lines.append(text("{speed:.1f} times as fast as real time").format(speed=speed))
+                lines.append(text("{speed:.1f} times as fast as real time", speed=speed))
         if self.settings is not None and self.settings.contacts != "stop":
             lines.append(str(self.events))
         return "\n".join(lines)
@@ -360,12 +360,9 @@ class Run(ArrayRecord, _Origin):
             "provenance": dict(self.provenance),
         }
 
-        contents: dict[str, Any] = {
-            "notes": np.frombuffer(json.dumps(notes).encode(), dtype=np.uint8)
-        }
-        for name in _KINDS:
-            if getattr(self, name) is not None:
-                contents[name] = getattr(self, name)
+        arrays = {name: getattr(self, name) for name in _KINDS}
+        contents = {name: array for name, array in arrays.items() if array is not None}
+        contents["notes"] = np.frombuffer(json.dumps(notes).encode(), dtype=np.uint8)
 
         if isinstance(path, str | Path):
             destination = check_destination(path, [".npz"])
@@ -380,24 +377,20 @@ class Run(ArrayRecord, _Origin):
     def load(cls, path: str | Path) -> Run:
         """Read a run that `save` wrote; a file that is no such run raises a FileFormatError."""
         with _opened(path) as (notes, stored):
-            arrays: Any = {}
-            for name, kind in _KINDS.items():
-                if name != "joint_forces" or name in stored:
-                    arrays[name] = stored[name]
-                    if arrays[name].dtype != kind:
-                        raise DragonError(f"its {name} are not of the type {kind.__name__}")
-
+            names = [name for name in _KINDS if name != "joint_forces" or name in stored]
+            arrays: Any = {name: stored[name] for name in names}
+            for name, array in arrays.items():
+                if array.dtype != _KINDS[name]:
+                    raise DragonError(f"its {name} are of the type {array.dtype}")
             march = Scenario.from_dict(notes["scenario"], files=False).march()
             benches = march.dragon.benches
             events = [read_contact(ContactEvent, event, benches) for event in notes["events"]]
             first = notes["first_contact"]
-            if first is not None:
-                first = read_contact(Contact, first, benches)
             return cls(
                 march=march,
                 **arrays,
                 events=ContactLog(events),
-                first_contact=first,
+                first_contact=first and read_contact(Contact, first, benches),
                 outcome=notes["outcome"],
                 provenance=dict(notes["provenance"]),
             )

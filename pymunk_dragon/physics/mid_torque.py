@@ -101,7 +101,6 @@ class MidTorque:
         forces : ndarray, shape (N, 3)
             The forces from outside that `before_step` has left.
         """
-        changes = velocities[:, :2] - self._kept
-        changes *= self._masses / self._substep
-        changes -= forces[:, :2]
+        gained = self._masses / self._substep * (velocities[:, :2] - self._kept)
+        changes = gained - forces[:, :2]
         np.cumsum(changes[::-1], axis=0, out=self._forces[-2::-1])

@@ -130,11 +130,9 @@ class Rails(PathGuide):
         """
         facing = along.conj()
         rear = tangents * facing
-        front = np.empty_like(facing)
-        front[0] = hinge_velocity * facing[0]
-        np.multiply(tangents[:-1], facing[1:], out=front[1:])
+        front = np.append(hinge_velocity, tangents[:-1]) * facing
         # The `velocity_ratios` of the chain, times the head's speed.
-        self._rear_speeds = np.multiply.accumulate(front.real / rear.real)
+        self._rear_speeds = np.cumprod(front.real / rear.real)
         front[1:] *= self._rear_speeds[:-1]
         across = front.imag - self._rear_speeds * rear.imag
         return np.array([front.real, across * self._over_spacings])

@@ -267,11 +267,10 @@ def _provenance(world: World, until: float, substeps: int) -> dict[str, Any]:
     }
     if world.guide.free_from is not None:
         values["free_from"] = int(world.guide.free_from)
-    for name, value in asdict(world.settings).items():
-        # Other settings only where they are not their defaults.
-        if value != getattr(EngineSettings, name):
-            values[name] = value
-    return values | {"substeps": substeps, "versions": versions()}
+    # Other settings only where they are not their defaults.
+    settings = asdict(world.settings).items()
+    changed = {name: value for name, value in settings if value != getattr(EngineSettings, name)}
+    return {**values, **changed, "substeps": substeps, "versions": versions()}
 
 
 def _guide_name(guide: PathGuide) -> str:

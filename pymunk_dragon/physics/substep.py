@@ -70,12 +70,11 @@ class Motion(NamedTuple):
         def separated(share: float) -> Separation:
             return separation(*outlines(self.poses(share)[pair], *sizes))
 
-        touching = 0.0
-        found = separated(touching)
-        if found.distance > 0:
-            touching = 1.0
+        for touching in (0.0, 1.0):
             found = separated(touching)
-        if found.distance > 0:
+            if found.distance <= 0:
+                break
+        else:
             return contact
 
         # Halve the interval between a share at which the benches are apart and one at which they

@@ -187,6 +187,15 @@ class Composite(_Joined, PackageCurve, kind="composite"):
             points[here], derivatives[here] = link.curve._motion(link.at(parameter[here]))
         return points, derivatives
 
+    def _estimate(self, heads: Array, parameters: Array, spacings: Array) -> Array:
+        """Estimate of the first piece, if all heads are on it."""
+        if not self.joints or not (heads <= self.joints[0]).all():
+            return super()._estimate(heads, parameters, spacings)
+        first = self._links[0]
+        parameters = parameters + first.parameter_shift
+        estimate = first.curve._estimate(first.on(heads), parameters, spacings)
+        return estimate - first.parameter_shift
+
 
 def _last_parameter(curve: Curve) -> float:
     """Parameter at the end of a curve."""
@@ -251,6 +260,9 @@ class Section(PackageCurve, kind="section"):
 
     def _motion(self, parameter: Array) -> tuple[Complex, Complex]:
         return self.curve._motion(parameter)
+
+    def _estimate(self, heads: Array, parameters: Array, spacings: Array) -> Array:
+        return self.curve._estimate(heads, parameters, spacings)
 
 
 @dataclass(frozen=True)

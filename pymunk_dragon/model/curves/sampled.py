@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
-from math import comb
+from math import comb, factorial
 from pathlib import Path
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -99,12 +99,9 @@ class Sampled(ArrayRecord, _Cells, PackageCurve, kind="sampled"):
     def __post_init__(self) -> None:
         points = _checked(self.points)
         path = as_complex(points)
-        chords = np.abs(np.diff(path))
-        knots = np.append(0.0, np.cumsum(chords))
+        knots = np.append(0.0, np.cumsum(np.abs(np.diff(path))))
         spline = library("scipy.interpolate").CubicSpline(knots, path)
-        # SciPy gives the highest power first, and a piece's parameter in m.
-        powers = spline.c[::-1] * chords ** np.arange(4)[:, None]
-        cubics, lengths, curvatures = _cut(powers.T, path)
+        cubics, lengths, curvatures = _cut(spline, knots)
         edges = np.append(0.0, np.cumsum(lengths))
         self._set(points=points, end_s=float(edges[-1]))
         self._set(_cubics=cubics, _curvatures=curvatures, _lengths=lengths, _edges=edges)
@@ -175,20 +172,22 @@ def _checked(points: object) -> Array:
     return read_only(array)
 
 
-def _cut(cubics: Complex, path: Complex) -> tuple[Complex, Array, Array]:
-    """Cubics, lengths and curvatures of the cells of a path, from the cubics between its points."""
-    chords = np.abs(np.diff(path))
-    sources = np.arange(chords.size)
+def _cut(spline: Any, points: Array) -> tuple[Complex, Array, Array]:
+    """Cubics, lengths and curvatures of the cells of a spline with known parameters at points."""
+    knots = points
     for _ in range(_MAX_HALVINGS):
+        cubics = _cubics(spline, knots)
         slowest, curvatures = _bounds(cubics)
-        least = _MIN_SPEED * chords
+        begins, steps = knots[:-1], np.diff(knots)
+        least = _MIN_SPEED * steps
         too_slow = np.min([_speed(cubics, w) for w in _SEEN], axis=0) < least
         if too_slow.any():
             break
 
         seen = np.max([np.abs(_curvature(cubics, w)) for w in _SEEN], axis=0)
         lengths = _travelled(cubics, 1.0)
-        halves = _halved(cubics)
+        middles = begins + steps / 2
+        halves = _cubics(spline, np.sort([*knots, *middles]))
         by_halves = _travelled(halves, 1.0).reshape(-1, 2).sum(axis=1)
         too_slow = slowest < least
         coarse = too_slow | (np.abs(by_halves - lengths) > _LENGTH_TOLERANCE * lengths)
@@ -197,16 +196,18 @@ def _cut(cubics: Complex, path: Complex) -> tuple[Complex, Array, Array]:
         if not coarse.any():
             return cubics, lengths, curvatures * (1 + _ROUNDING)
 
-        cut = np.flatnonzero(coarse)
-        cubics[cut] = halves[1::2][cut]
-        cubics = np.insert(cubics, cut, halves[0::2][cut], axis=0)
-        chords[cut] /= 2
-        chords = np.insert(chords, cut, chords[cut])
-        sources = np.insert(sources, cut, sources[cut])
-    i = int(sources[np.argmax(too_slow)])
-    stop = f"from it to point {i + 2} the path nearly stops, as at a cusp"
-    point = as_vectors(path)[i].tolist()
-    raise ParameterError(f"point {i + 1}", point, f"followed by a smooth path; {stop}")
+        knots = np.sort([*knots, *middles[coarse]])
+    number = int(np.searchsorted(points, begins[np.argmax(too_slow)], side="right"))
+    stop = f"from it to point {number + 1} the path nearly stops, as at a cusp"
+    x, y = as_vectors(spline(points[number - 1 : number]))[0].tolist()
+    raise ParameterError(f"point {number}", [x, y], f"followed by a smooth path; {stop}")
+
+
+def _cubics(spline: Any, knots: Array) -> Complex:
+    """Coefficients (C, 4) of a spline between C + 1 of its parameters, for w from 0 to 1."""
+    steps = np.diff(knots)
+    powers = [spline(knots[:-1], k) * steps**k / factorial(k) for k in range(4)]
+    return np.transpose(powers)
 
 
 def _bounds(cubics: Complex) -> tuple[Array, Array]:
@@ -235,15 +236,6 @@ def _bernstein(degree: int) -> Array:
     """
     powers = range(degree + 1)
     return np.array([[comb(i, k) / comb(degree, k) for k in powers] for i in powers])
-
-
-def _halved(cubics: Complex) -> Complex:
-    """Both halves (2n, 4) of each cubic (n, 4), with w from 0 to 1 again."""
-    zero, one, two, three = cubics.T / np.array([[1], [2], [4], [8]])
-    left = [zero, one, two, three]
-    right = [zero + one + two + three, one + 2 * two + 3 * three, two + 3 * three, three]
-    halves: Complex = np.stack([left, right]).transpose(2, 0, 1)
-    return halves.reshape(-1, 4)
 
 
 def _solved(cubics: Complex, s: Array, lengths: Array) -> Array:

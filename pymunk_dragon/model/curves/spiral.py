@@ -133,32 +133,20 @@ class Spiral(PackageCurve, kind="spiral"):
         return np.abs(self._curvature(lower if self.outward else upper))
 
     def _foot(self, xy: Array, s: Array) -> tuple[Array, Array, Array]:
-        """Feet at the polar angles of points: a division replaces four sines.
-
-        Guides call this at every substep, and most of its time is NumPy's for each call: so there
-        are few, in place.
-        """
+        """Feet at the polar angles of points: a division replaces four sines."""
         z = _turned(as_complex(xy), -self.rotation)
         theta = np.arctan2(z.imag, z.real)
         # The angle at `near` to a few hundredths, except on the innermost turn: enough to identify
         # the turn.
-        turns = np.sqrt(2 / self.k * np.abs(s))
-        turns -= theta
-        turns *= 1 / _TURN
-        theta = theta + _TURN * np.rint(turns)
+        turns = np.rint((np.sqrt(2 / self.k * np.abs(s)) - theta) / _TURN)
+        theta = theta + _TURN * turns
 
         rise = _rise(theta)
         coordinate = self._arc_length(theta, rise)
         radius = np.abs(z)
         # The tangent on the way out is z (1 + i theta) / (radius rise).
-        rise *= radius
-        ahead = np.empty(theta.shape, dtype=complex)
-        np.divide(self._sign, rise, out=ahead.real)
-        np.multiply(theta, ahead.real, out=ahead.imag)
-        ahead *= z
-        theta *= self.k
-        theta /= radius
-        feet = _turned(theta * z, self.rotation)
+        ahead = z * (1 + 1j * theta) * (self._sign / (radius * rise))
+        feet = _turned(z * (self.k * theta / radius), self.rotation)
         return coordinate, as_vectors(feet), as_vectors(_turned(ahead, self.rotation))
 
     def _parameter(self, s: Array) -> Array:
@@ -171,10 +159,7 @@ class Spiral(PackageCurve, kind="spiral"):
 
     def _arc_length(self, theta: Array, rise: Array) -> Array:
         """Coordinate of a polar angle, m (eq. 3-5); a logarithm costs less than its arcsinh."""
-        coordinate = np.log(theta + rise)
-        coordinate += theta * rise
-        coordinate *= self._sign * self.k / 2
-        return coordinate
+        return (np.log(theta + rise) + theta * rise) * (self._sign * self.k / 2)
 
     def _estimate(self, heads: Array, parameters: Array, spacings: Array) -> Array:
         """Estimated parameters (H, T), as on any curve.
@@ -195,9 +180,7 @@ class Spiral(PackageCurve, kind="spiral"):
         sine = np.minimum(chords**2 / 4 * growth, 1.0)
 
         # The series of arcsin x / x, and the root of (M - 1) / M.
-        growth *= -0.5
-        growth += 1
-        growth *= 1 + sine * (1 / 6 + sine * (3 / 40))
+        growth = (1 - growth / 2) * (1 + sine * (1 / 6 + sine * (3 / 40)))
 
         np.cumsum(2 * chords * growth, axis=0, out=squares[1:])
         squares[1:] += squares[0]
