@@ -140,6 +140,8 @@ def test_page_says_that_its_server_does_not_answer(browser, copy, tmp_path):
     ):
         page = found.page
         page.context.set_offline(True)
+        # No page but that of a dragon has these.
+        assert not any(map(page.is_visible, ("#dancers", "#charts-error", "#show-exact")))
         page.click("#begin-play")
         wait_until(page, "document.getElementById('begin-text').textContent.includes('answer')")
         # One may try again.

@@ -120,7 +120,7 @@ def test_page_gets_what_pymunk_draws_of_its_examples_at_the_start_and_after_2_s(
     assert len(spaces) >= 26
     drawn, contacts = 0, 0
     for name, (space, dt) in spaces.items():
-        scene = Scene(space, PlaySettings(step=dt))
+        scene = Scene(space, PlaySettings(step=dt, units="px"))
         assert_drawn_alike(scene, name)
         for _ in range(round(min(2.0, 500 * dt) / dt)):
             scene.advance()
@@ -148,8 +148,19 @@ def test_page_gets_what_pymunk_draws_of_every_kind_of_joint():
     space.add(*joints)
     # One without a force is drawn, too.
     joints[-1].max_force = 0
-    drawn, _ = assert_drawn_alike(Scene(space, PlaySettings()), "joints")
+    drawn, _ = assert_drawn_alike(Scene(space, PlaySettings(units="px")), "joints")
     assert drawn == 30
+
+
+def test_spring_in_metres_is_as_wide_as_pymunk_draws_one_of_40_pixels():
+    space = pymunk.Space()
+    body = pymunk.Body(1, 1)
+    space.add(body, pymunk.Circle(body, 0.1))
+    space.add(pymunk.DampedSpring(space.static_body, body, (0, 2), (0, 0), 1, 1, 1))
+    scene = Scene(space, PlaySettings())
+    [spring] = [call for call in drawn_in(scene)[0] if call[0] == "line"]
+    low, high = spring[1].min(axis=0), spring[1].max(axis=0)
+    assert high - low == pytest.approx((12 / 40 * 2, 2))
 
 
 # The lines that the guide adds to a program whose y points down.

@@ -17,6 +17,7 @@ import nbformat
 import pytest
 from browser import needs_browser, opened, wait_until
 from live_sessions import PATIENCE, decoded, notebook, played
+from test_sessions_draw_browser import PIXELS
 
 if find_spec("anywidget") is None:
     pytest.skip("no anywidget: pip install 'pymunk-dragon[notebook]'", allow_module_level=True)
@@ -42,8 +43,12 @@ def build():
     spaces.append(space)
     return space
 
+def on_draw(space, draw):
+    body = next(iter(space.bodies))
+    draw.text((0, -1), f"x = {{body.position.x:.1f}}", size=30, color="red")
+
 spaces, before = [], {PORTS}
-session = live(build)
+session = live(build, on_draw=on_draw)
 session
 ---
 assert {PORTS} == before, "a port was opened"
@@ -385,6 +390,10 @@ def test_body_that_is_dragged_in_jupyterlab_moves_in_python_and_a_picture_remain
         wait_until(frame, f"{CIRCLE}.every((value, k) => Math.abs(value - [1.5, 1][k]) < 0.05)")
         page.mouse.up()
         wait_until(frame, "live.frame.held === null")
+        # What the program writes is in the picture, and follows the body.
+        wait_until(frame, "live.frame.texts[0][2] === 'x = 1.5'")
+        row = frame.evaluate(PIXELS, [[0.02 * i - 0.5, -1] for i in range(50)])
+        assert any(red > 200 and green + blue < 100 for red, green, blue in row)
         run_cell(page, 1)
         text = page.wait_for_selector(".jp-CodeCell >> nth=1 >> .jp-OutputArea-output").inner_text()
         x, y = map(float, text.strip("<>\n ").split())

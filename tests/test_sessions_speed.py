@@ -56,7 +56,7 @@ def of_kind(space, kind):
 
 
 def scene_of(space):
-    return Scene(space, PlaySettings(step=1 / 60))
+    return Scene(space, PlaySettings(step=1 / 60, units="px"))
 
 
 @pytest.fixture

@@ -11,7 +11,7 @@ import pymunk
 import pytest
 import test_publish
 from browser import needs_browser, opened, wait_until
-from conftest import refusal
+from conftest import assert_says, refusal
 from live_sessions import PATIENCE, Listener, all_calls, decoded, drawn_in, greeting, played, served
 
 from pymunk_dragon import live
@@ -80,10 +80,21 @@ def test_first_area_is_the_view_that_is_given_or_has_a_size_where_all_is_a_point
 
 
 @pytest.mark.parametrize(
-    "view", [(0, 0, 0, 1), (0, 0, 1, -1), (math.nan, 0, 1, 1), (0, 0, math.inf, 1), (0, 0), 3, "x"]
+    "view",
+    [
+        (0, 0, 0, 1),
+        (0, 0, 1, -1),
+        (math.nan, 0, 1, 1),
+        (0, 0, math.inf, 1),
+        (0, 0),
+        3,
+        (0, 0, 1, "4"),
+        "x",
+    ],
 )
 def test_view_that_shows_nothing_is_refused(view):
-    assert refusal(live, build, view=view, browser=False).name == "view"
+    refused = refusal(live, build, view=view, browser=False)
+    assert_says(refused, f"view is {view!r}", "width")
 
 
 def test_view_may_be_an_array():
@@ -278,6 +289,26 @@ def test_page_follows_until_the_view_is_moved_and_whole_field_shows_what_there_i
             before = page.evaluate("live.view.scale")
             page.evaluate(f"live.zoom({factor})")
             assert page.evaluate("live.view.scale") == pytest.approx(before * factor)
+        assert found.complaints == []
+
+
+@pytest.mark.thorough
+@needs_browser
+def test_view_stays_while_the_body_that_it_follows_is_dragged(browser):
+    # A view that goes on following would move the place where the pointer pulls the body, for ever.
+    source = source_of(two, PlaySettings(view=(0, 0, 20, 10), follow=box))
+    with served(source) as session, opened(browser, session.address) as found:
+        page = found.page
+        wait_until(page, f"globalThis.live?.frame?.time > 0 && {CENTRED}")
+        field = page.locator("#field").bounding_box()
+        x, y = page.evaluate("live.view.toScreen(...live.frame.focus)")
+        page.mouse.move(field["x"] + x, field["y"] + y)
+        page.mouse.down()
+        page.mouse.move(field["x"] + x + 200, field["y"] + y, steps=5)
+        wait_until(page, "Math.abs(live.frame.held?.[2] - live.frame.held?.[0]) < 0.1")
+        assert page.evaluate(f"({FOCUS} - live.view.x) * live.view.scale") > 150
+        page.mouse.up()
+        wait_until(page, f"live.frame.held === null && {CENTRED}")
         assert found.complaints == []
 
 

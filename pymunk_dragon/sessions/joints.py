@@ -16,14 +16,17 @@ from pymunk_dragon.web.frames import KINDS
 _ALONG = np.array([0, 0.2, *np.linspace(0.25, 0.75, 11), 0.8, 1])
 # Their distances from it, in units of the space.
 _ACROSS = np.array([0, 0, 3, -6, 6, -6, 6, -6, 6, -6, 6, -3, 6, 0, 0])
+# Length of a spring in pixels that is as wide, in proportion, as springs in other units.
+_COILED = 40.0
 # Radius of the ends of joints, pixels.
 _DOT = 5.0
 
 
-def joint_numbers(space: pymunk.Space, ends: Array) -> Array:
+def joint_numbers(space: pymunk.Space, ends: Array, units: str) -> Array:
     """Dots and lines of the joints of a space that are awake, as `packed` has them.
 
-    The `ends` (J, 4) are in the world. All have one colour: their order does not matter.
+    The `ends` (J, 4) are in the world. All have one colour: their order does not matter. Chipmunk's
+    coils are made for pixels: in other units, a spring has coils in proportion to its length.
     """
     can_sleep = math.isfinite(space.sleep_time_threshold)
     dots: list[list[float]] = []
@@ -52,7 +55,8 @@ def joint_numbers(space: pymunk.Space, ends: Array) -> Array:
 
     begin, end = as_complex(np.reshape(springs, (-1, 2, 2))).T
     along = (end - begin)[:, None]
-    coils = begin[:, None] + along * (_ALONG + 1j * _ACROSS / abs(along))
+    width = abs(along) if units == "px" else _COILED
+    coils = begin[:, None] + along * (_ALONG + 1j * _ACROSS / width)
     calls = [_calls("dot", 1, dots, _DOT), _calls("line", 2, lines)]
     calls.append(_calls("line", len(_ALONG), as_vectors(coils)))
     return np.concatenate(calls)

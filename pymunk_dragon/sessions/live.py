@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, suppress
 from dataclasses import replace
 from functools import cached_property
 from html import escape
@@ -20,7 +20,7 @@ from pymunk_dragon._checks import (
     instance,
     instances,
     label,
-    numbers,
+    number,
     whole,
     word,
 )
@@ -324,11 +324,12 @@ def _check_settings(settings: PlaySettings) -> None:
     label("units", settings.units)
 
 
-def _checked_view(view: object) -> tuple[float, float, float, float]:
+def _checked_view(view: Any) -> tuple[float, float, float, float]:
     """Centre, width and height of a view."""
-    x, y, width, height = numbers("view", [view], 4)[0].tolist()
-    if math.isfinite(x + y) and 0 < width < math.inf and 0 < height < math.inf:
-        return x, y, width, height
+    with suppress(TypeError, ValueError):
+        x, y, width, height = map(number, view)
+        if math.isfinite(x + y) and 0 < width < math.inf and 0 < height < math.inf:
+            return x, y, width, height
     raise ParameterError("view", view, "finite: centre, and a width and a height above 0")
 
 

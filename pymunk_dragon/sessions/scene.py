@@ -432,7 +432,7 @@ class Scene:
 
         drawn = [*self.space.constraints]
         rows = self._readings.joints(drawn)
-        of_joints = joint_numbers(self.space, rows[:, :4])
+        of_joints = joint_numbers(self.space, rows[:, :4], self.settings.units)
         calls, colours = packed(self._drawing.calls, grip, self._recorder.constraint_color)
 
         with_forces = set(self.joints())

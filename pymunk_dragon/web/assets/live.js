@@ -260,7 +260,8 @@ class Live extends Stage {
     if (this.fits && !this.fitted) this.view.field = this.model.wholeField(frame);
     this.fitted = true;
     const { x, y } = this.moment.benches.poses;
-    this.followSubject(this.scene.follows ? frame.focus : [x[0], y[0]]);
+    // The place to which a pointer pulls a body stays where it is.
+    if (!tools.carried) this.followSubject(this.scene.follows ? frame.focus : [x[0], y[0]]);
     this.aims = this.pixel === null && element("field").matches(":focus-visible");
     tools.flush();
     this.scales.include(this.moment, now);

@@ -55,8 +55,16 @@ def aim(space, angle):
 
 
 def strike(space):
-    impulse = 0.6 * pymunk.Vec2d(math.cos(space.aim), math.sin(space.aim))
+    impulse = 0.6 * pymunk.Vec2d.from_polar(1, space.aim)
     space.white.apply_impulse_at_world_point(impulse, space.white.position)
+
+
+def on_draw(space, draw):
+    for each in POCKETS:
+        draw.circle(each, 1.2 * RADIUS, color="black", fill="black")
+    white = space.white.position
+    draw.arrow(white, white + 0.3 * pymunk.Vec2d.from_polar(1, space.aim), color="teal")
+    draw.text((WIDTH / 4, HEIGHT + 0.09), f"{len(space.bodies) - 1} balls on the table")
 
 
 controls = [
@@ -72,6 +80,7 @@ with live(
     view=(1.27, 0.635, 2.8, 1.5),
     step=1 / 480,
     on_step=pocket,
+    on_draw=on_draw,
     controls=controls,
     plots=plots,
 ) as session:
