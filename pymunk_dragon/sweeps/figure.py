@@ -130,7 +130,7 @@ def _draw_map(
     look: dict[str, Any] = {"cmap": colours, "rasterized": True, "gid": "values"}
     look["mask"] = ~np.isfinite(values)[triangles].all(axis=1)
     shown = np.ma.masked_invalid(values)
-    mesh = axes.tripcolor(*at, shown, triangles=triangles, shading="gouraud", **look)
+    mesh = axes.tripcolor(at[0], at[1], shown, triangles=triangles, shading="gouraud", **look)
     axes.margins(0)
 
     for border in _borders(across, up, names, found.step):
