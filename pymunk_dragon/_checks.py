@@ -20,7 +20,13 @@ T = TypeVar("T")
 MAX_COORDINATE = 1e9
 
 
-def finite(name: str, value: object, low: float, high: float, unit: str) -> float:
+def finite(
+    name: str,
+    value: object,
+    low: float = -math.inf,
+    high: float = math.inf,
+    unit: str = "",
+) -> float:
     """`value` as a float, if it is a finite number within [low, high]."""
     amount = number(value)
     if math.isfinite(amount) and low <= amount <= high:

@@ -34,9 +34,10 @@ def in_language(name: str) -> Iterator[None]:
         _language.reset(token)
 
 
-def text(english: str) -> str:
-    """A text in the present language."""
-    return english if language() == "en" else texts(language()).get(english, english)
+def text(english: str, /, *values: object, **named: object) -> str:
+    """A text in the present language, with values in place of its fields if there are any."""
+    found = english if language() == "en" else texts(language()).get(english, english)
+    return found.format(*values, **named) if values or named else found
 
 
 @cache
@@ -46,7 +47,7 @@ def texts(name: str) -> Mapping[str, str]:
 
     found: dict[str, str] = {}
     for file in Path(__file__).parent.glob(f"*/{name}.toml"):
-        found |= tomllib.loads(file.read_text(encoding="utf-8"))["texts"]
+        found |= tomllib.loads(file.read_text("utf-8"))["texts"]
     return found
 
 

@@ -168,6 +168,14 @@ def test_course_with_the_keyboard_guess_experiment_answer_and_again(seen):
     assert lesson.locator("canvas").count() == 1
 
 
+def test_key_that_opens_an_experiment_presses_no_button_of_it(seen):
+    lesson = seen.page.locator("#engine")
+    lesson.locator("input").first.press("Space")
+    lesson.locator("input").first.press("Enter")
+    settle(seen.page)
+    assert lesson.locator(".actions button").first.inner_text() == "Let the force act in the middle"
+
+
 # What a learner does on a stage, "play" or new values of sliders and dragged things, and the words
 # that then tell the outcome of the guess. Where an engine plays, see the test on a live server.
 OUTCOMES = {
@@ -272,14 +280,30 @@ def test_guess_and_course_outlast_a_reload_and_the_address_opens_a_stage(seen):
     assert other.get_attribute("data-state") == "guess"
     assert other.locator("input").nth(2).is_checked()
     lesson.locator(".show").click()
+    lesson.locator("summary").click()
+    settle(seen.page)
     seen.page.reload()
     assert lesson.get_attribute("data-state") == "answered"
+    assert lesson.locator("details[open]").count() == 1
     assert "About 500" in lesson.locator(".mine").inner_text().replace("\u00a0", " ")
     seen.page.evaluate("location.hash = '#near-miss&time=409.85'")
     wait_until(seen.page, "document.querySelector('#near-miss canvas')")
     settle(seen.page)
     assert "409.85" in other.locator(".readout").inner_text()
     assert other.locator(".stage").evaluate(SIDES)[1] >= 0
+
+
+def test_stage_in_the_address_is_in_sight_after_a_reload_however_long_the_page_was(
+    browser, address
+):
+    with opened(browser, address, 390, 844, is_mobile=True) as seen:
+        seen.page.evaluate(UNFOLD.replace(".lesson", "#velocity"))
+        seen.page.click("#sat .open-unguessed")
+        seen.page.locator("#sat .slider input").press("ArrowRight")
+        wait_until(seen.page, "location.hash === '#sat&walls=2'")
+        seen.page.reload()
+        settle(seen.page)
+        assert min(seen.page.locator("#sat .stage").evaluate(SIDES)) >= 0
 
 
 def test_list_has_a_picture_of_each_stage_which_moves_while_it_has_the_focus(browser, address):

@@ -1,5 +1,6 @@
 """The player in a real browser: it plays, agrees with the exact model, and uses no network."""
 
+import re
 from contextlib import contextmanager
 from dataclasses import replace
 
@@ -10,9 +11,9 @@ from marches import TRACTOR
 from shapely import Polygon
 
 from pymunk_dragon import Dragon, March, Run, player_page, write_player
-from pymunk_dragon.drawing.palette import COLOURS
+from pymunk_dragon.drawing.palette import COLOURS, Palette
 from pymunk_dragon.model.dragon import bench_poses
-from pymunk_dragon.web.page import DARK
+from pymunk_dragon.web.page import colour_variables
 
 pytestmark = [pytest.mark.thorough, needs_browser]
 
@@ -361,7 +362,9 @@ def test_page_is_in_the_chosen_language_only(visit, bumpy):
 def test_colours_are_those_of_the_readers_scheme(visit):
     with visit("#t=409&show=curve", color_scheme="light") as page:
         places = [ask(page, f"player.poses(409)[{bench}]")[:2] for bench in (0, 50, 222)]
-        for palette, scheme in ((COLOURS, "light"), (DARK, "dark")):
+        dark = Palette(**dict(re.findall(r"--dark-(\w+): (#\w+);", colour_variables())))
+        assert dark != COLOURS
+        for palette, scheme in ((COLOURS, "light"), (dark, "dark")):
             page.emulate_media(color_scheme=scheme)
             wait_until(
                 page, f"({COLOUR})([12, 0]).then((colour) => colour === {palette.background!r})"

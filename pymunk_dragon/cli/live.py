@@ -78,8 +78,8 @@ def serve(session: Session, log: Log | None, path: Path | None, **address: Any) 
                 text("Anybody who can reach this address and knows it can control the session:"),
                 err=True,
             )
-        click.echo(text("control: {address}").format(address=running.address))
-        click.echo(text("watch:   {address}").format(address=running.watch_address))
+        click.echo(text("control: {address}", address=running.address))
+        click.echo(text("watch:   {address}", address=running.watch_address))
         _wait_for_replay(session, log)
         # Until Ctrl-C.
         while True:
@@ -110,9 +110,7 @@ def _wait_for_replay(session: Session, log: Log | None) -> None:
     difference = session.wait_for_replay()
     if log is None or difference is None:
         return
-    found = text("replay:  {steps} steps, equal to the recording to the bit")
+    found = "replay:  {steps} steps, equal to the recording to the bit"
     if difference != 0:
-        found = text(
-            "replay:  {steps} steps, poses within {difference:.1e} m and rad of the recording"
-        )
-    click.echo(found.format(steps=log["steps"], difference=difference))
+        found = "replay:  {steps} steps, poses within {difference:.1e} m and rad of the recording"
+    click.echo(text(found, steps=log["steps"], difference=difference))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from decimal import Decimal
 from functools import reduce
@@ -135,6 +135,15 @@ def option_group(*declared: Callable[[F], F]) -> Callable[[F], F]:
     return lambda function: reduce(lambda done, option: option(done), reversed(declared), function)
 
 
+def options_of(table: Mapping[str, tuple[Any, str]], **settings: Any) -> Callable[[F], F]:
+    """Options with a type and a help each; the flag is the name with hyphens."""
+    options = []
+    for name, (kind, about) in table.items():
+        flag = "--" + name.replace("_", "-")
+        options.append(click.option(flag, type=kind, help=about, **settings))
+    return option_group(*options)
+
+
 # Options of commands that serve a page.
 address_options = option_group(
     click.option("--port", default=0, help="Port.  [a free one]"),
@@ -185,12 +194,8 @@ def scenario_options(function: F) -> F:
         if value is not None:
             context.meta.setdefault("scenario", {})[option.name] = value
 
-    hidden: dict[str, Any] = {"callback": collect, "expose_value": False}
     options = SCENARIO_OPTIONS | _curve_options()
-    # Click lists first the option that is added last.
-    for name, (kind, about) in reversed(options.items()):
-        flag = "--" + name.replace("_", "-")
-        click.option(flag, type=kind, help=about, **hidden)(function)
+    function = options_of(options, callback=collect, expose_value=False)(function)
     about = "Read the dragon, curve and speed from a .toml file; options win."
     return click.option("--scenario", type=click.Path(), help=about)(function)
 

@@ -59,7 +59,7 @@ def progress(label: str, begin: float = 0.0) -> Iterator[Callable[[float, float]
 def print_written(path: Path) -> None:
     """Print on a terminal which file was written."""
     if sys.stderr.isatty() and path.is_file():  # Not a device or a FIFO.
-        click.echo(text("wrote {path}").format(path=path), err=True)
+        click.echo(text("wrote {path}", path=path), err=True)
 
 
 def print_file_result(path: Path) -> None:

@@ -45,4 +45,4 @@ def publish(
         with progress("publish") as show:
             publish_site(folder, runtime=offline, address=address, progress=show)
     place = shlex.quote(str(Path(folder)))
-    click.echo(text("to see it: {command}").format(command=f"python -m http.server -d {place}"))
+    click.echo(text("to see it: {command}", command=f"python -m http.server -d {place}"))

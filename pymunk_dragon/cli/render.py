@@ -13,6 +13,7 @@ from pymunk_dragon.cli.options import (
     flags_given,
     load_run,
     option_group,
+    options_of,
     output_option,
     scenario_options,
 )
@@ -33,7 +34,7 @@ _FORMATS = (
 )
 
 
-def _pixels(given: str) -> int | tuple[int, ...]:
+def pixels(given: str) -> int | tuple[int, ...]:
     """One length, or two with an x between them; `Film` checks them."""
     try:
         width, *height = map(int, given.lower().split("x"))
@@ -43,27 +44,24 @@ def _pixels(given: str) -> int | tuple[int, ...]:
     return (width, *height) if height else width
 
 
+_OPTIONS = {
+    "until": (float, "Last time, s.  [the run's, or a march's first contact]"),
+    "speedup": (float, "Simulated s in 1 s of film.  [slower towards contacts]"),
+    "fps": (int, "Frames in a second, at most 60, and 50 in a GIF.  [20]"),
+    "size": (pixels, "Width and height: 440, or 640x360; even in .mp4.  [440]"),
+    "span": (float, "Width of the ground in view, m."),
+    "hold": (float, "How long the last frame stays, s.  [2.5]"),
+    "title": (str, "A line above the picture."),
+    "caption": (str, "Lines below the picture."),
+}
+
+
 @command("run.npz", "run.npz --exact --camera head -o both.mp4", "--until 60 -o march.gif")
 @click.argument("run_files", metavar="[RUN.npz]...", nargs=-1, type=click.Path())
 @scenario_options
 @click.option("--exact", is_flag=True, help="Show the exact model beside the run.")
 @click.option("--from", "start", type=float, help="First time, s.  [such that a film takes 11 s]")
-@click.option(
-    "--until",
-    type=float,
-    help="Last time, s.  [the run's, or a march's first contact]",
-)
-@click.option(
-    "--speedup",
-    type=float,
-    help="Simulated s in 1 s of film.  [slower towards contacts]",
-)
-@click.option("--fps", type=int, help="Frames in a second, at most 60, and 50 in a GIF.  [20]")
-@click.option(
-    "--size",
-    type=_pixels,
-    help="Width and height: 440, or 640x360; even in .mp4.  [440]",
-)
+@options_of(_OPTIONS)
 @click.option(
     "--camera",
     "follow",
@@ -71,16 +69,12 @@ def _pixels(given: str) -> int | tuple[int, ...]:
     default="field",
     help="The view.  [field]",
 )
-@click.option("--span", type=float, help="Width of the ground in view, m.")
-@click.option("--hold", type=float, help="How long the last frame stays, s.  [2.5]")
 @option_group(
     *(
         click.option(f"--{name}", name, is_flag=True, help=each.shows)
         for name, each in OVERLAYS.items()
     )
 )
-@click.option("--title", help="A line above the picture.")
-@click.option("--caption", help="Lines below the picture.")
 @click.option(
     "--legend/--no-legend", default=None, help="Legend and scale bar below the picture.  [shown]"
 )
@@ -121,10 +115,13 @@ def _write_film(sources: list[Run | March], path: Path, choices: dict[str, Any])
 
     if timing.is_cropped and timing.size is not None:
         width, height = timing.size
-        size = text(
-            "{path} has {width} x {height} pixels, as the width and height of an MP4 are even"
+        note = text(
+            "{path} has {width} x {height} pixels, as the width and height of an MP4 are even",
+            path=path,
+            width=width,
+            height=height,
         )
-        click.echo(size.format(path=path, width=width, height=height), err=True)
+        click.echo(note, err=True)
 
 
 def _write_page(sources: list[Run | March], path: Path, title: str | None) -> None:

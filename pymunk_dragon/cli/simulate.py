@@ -9,6 +9,7 @@ from pymunk_dragon.cli.options import (
     chosen_march,
     command,
     flags_given,
+    options_of,
     output_option,
     scenario_options,
     start_option,
@@ -19,7 +20,19 @@ from pymunk_dragon.model.march import March
 from pymunk_dragon.model.run import Run
 from pymunk_dragon.model.settings import EngineSettings
 
-_OF_ENGINE = ("contacts", "head_force", "substep", "iterations", "frame_interval")
+# Options of the engine that are numbers.
+_OPTIONS = {
+    "head_force": (float, "Largest force at contacts, N.  [twice the ground drag]"),
+    "substep": (
+        float,
+        "Substep, s.  [20 mm of the head; 25 mm without a guide; 5 mm to resolve]",
+    ),
+    "iterations": (
+        int,
+        "Solver iterations.  [10; 20 without a guide; 60 if contacts are resolved]",
+    ),
+    "frame_interval": (float, "Time between frames, s.  [until the head goes 0.1 m]"),
+}
 _CONTACTS = ("stop", "report", "resolve")
 _RESPONSE = "At a contact end the run, only record it, or push the benches apart.  [stop]"
 _GUIDE = "The guide, which keeps the benches on the path.  [rails]"
@@ -34,26 +47,7 @@ _GUIDE = "The guide, which keeps the benches on the path.  [rails]"
 @click.option("--guide", type=click.Choice(list(physics.GUIDES)), default="rails", help=_GUIDE)
 @click.option("--exact", is_flag=True, help="Solve the motion exactly, with --guide none.")
 @click.option("--contacts", type=click.Choice(_CONTACTS), default="stop", help=_RESPONSE)
-@click.option(
-    "--head-force",
-    type=float,
-    help="Largest force at contacts, N.  [twice the ground drag]",
-)
-@click.option(
-    "--substep",
-    type=float,
-    help="Substep, s.  [20 mm of the head; 25 mm without a guide; 5 mm to resolve]",
-)
-@click.option(
-    "--iterations",
-    type=int,
-    help="Solver iterations.  [10; 20 without a guide; 60 if contacts are resolved]",
-)
-@click.option(
-    "--frame-interval",
-    type=float,
-    help="Time between frames, s.  [until the head goes 0.1 m]",
-)
+@options_of(_OPTIONS)
 @output_option(".npz, which keeps the run")
 def simulate(output: str | None, exact: bool, **choices: Any) -> None:
     """Play the march in Pymunk until the dragon runs into itself.
@@ -79,7 +73,7 @@ def _check_exact(guide: str) -> None:
     """Refuse options that do not go with --exact."""
     if guide != "none":
         raise click.UsageError("--exact needs --guide none: the dragon on its path is exact anyway")
-    for flag in flags_given(*_OF_ENGINE):
+    for flag in flags_given("contacts", *_OPTIONS):
         raise click.UsageError(f"{flag} is for the engine: leave it out, or --exact")
 
 

@@ -99,12 +99,12 @@ class Scene:
         below = ""
         if contact:
             # Short, to fit into a corner beside the spiral.
-            below = text("contact: benches {} and {}").format(*contact.benches)
+            below = text("contact: benches {} and {}", *contact.benches)
             _draw_ring(layer, contact.point)
         else:
             gap, bench, point = _smallest_gap(layer.dragon, poses)
             if gap < (np.inf if self.follow == "head" else _SMALL_GAP):
-                below = text("gap {gap:.1f} mm to bench {bench}").format(gap=1e3 * gap, bench=bench)
+                below = text("gap {gap:.1f} mm to bench {bench}", gap=1e3 * gap, bench=bench)
             if gap < _SMALL_GAP:
                 _draw_ring(layer, point)
 
@@ -114,10 +114,10 @@ class Scene:
             layer.arrows(exact, self.factor * errors)
         draw_overlays(layer, self.show)
         speed = float(self.source.march.speed_profile.at(time))
-        right = text("head {:.2f} m/s").format(speed)
+        right = text("head {:.2f} m/s", speed)
         left = f"t = {time:.2f} s"
         if rate is not None:
-            left += text(", {:.2g} x real time").format(rate)
+            left += text(", {:.2g} x real time", rate)
         return self._with_texts(layer.image.reduce(BLOCK), left, right, below)
 
     def _contact_at(self, time: float) -> Contact | None:

@@ -176,7 +176,7 @@ def contact_text(
     """
     if benches is None or point is None:
         if status != "unreachable":
-            return text("no contact until t = {t:.6g} s").format(t=time)
+            return text("no contact until t = {t:.6g} s", t=time)
         lost = text(
             "no contact until t = {t:.6g} s, after which a handle has no position on the curve"
         )
@@ -184,7 +184,7 @@ def contact_text(
 
     values = {"i": benches[0], "j": benches[1], "t": f"{time:.{decimals}f}"}
     if status == "overlapping":
-        return text("benches {i} and {j} overlap at the start, t = {t} s").format(**values)
+        return text("benches {i} and {j} overlap at the start, t = {t} s", **values)
     x, y = point
     first = text("first contact at t = {t} s: benches {i} and {j} at ({x:.6f}, {y:.6f}) m")
     return first.format(**values, x=x, y=y)

@@ -224,7 +224,7 @@ class Run(ArrayRecord, _Origin):
             )
             lines.append(drift.format(head=1e3 * self.head_drift, largest=1e3 * self.max_drift))
             if speed := self.to_dict()["realtime_factor"]:
-                lines.append(text("{speed:.1f} times as fast as real time").format(speed=speed))
+                lines.append(text("{speed:.1f} times as fast as real time", speed=speed))
         if self.settings is not None and self.settings.contacts != "stop":
             lines.append(str(self.events))
         return "\n".join(lines)

@@ -78,7 +78,7 @@ def write_contact_table(march: March, impact_time: float, path: str | Path) -> N
     """
     destination = check_destination(path, (".xlsx",))
     check_march(march)
-    time = finite("impact_time", impact_time, -math.inf, math.inf, "s")
+    time = finite("impact_time", impact_time, unit="s")
     states = march.at([time])
     values = np.column_stack([states.positions[0], states.speeds[0]])
     labels = ("横坐标x (m)", "纵坐标y (m)", "速度 (m/s)")
@@ -93,7 +93,7 @@ def paper_tables(march: March, impact_time: float | None) -> str:
     """
     check_march(march)
     if impact_time is not None:
-        impact_time = finite("impact_time", impact_time, -math.inf, math.inf, "s")
+        impact_time = finite("impact_time", impact_time, unit="s")
 
     handles = march.dragon.representatives
     states = march.at(_TABLE_TIMES)
@@ -107,7 +107,7 @@ def paper_tables(march: March, impact_time: float | None) -> str:
     if impact_time is not None:
         states = march.at([impact_time])
         values = np.column_stack([states.positions[0], states.speeds[0]])[handles]
-        title = text("Table 3: at the first contact, {time:.9f} s").format(time=impact_time)
+        title = text("Table 3: at the first contact, {time:.9f} s", time=impact_time)
         lines += _text_table(title, ["x (m)", "y (m)", text("speed (m/s)")], handles, values)
     return "\n".join(lines[:-1])
 

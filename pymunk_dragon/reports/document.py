@@ -88,7 +88,7 @@ def headline(summary: Summary) -> str:
     if contact is not None:
         i, j = contact.benches
         time = _number(contact.time, 6, " s")
-        return text("Benches {i} and {j} touch at {time}").format(i=i, j=j, time=time)
+        return text("Benches {i} and {j} touch at {time}", i=i, j=j, time=time)
 
     exact = summary.exact
     if run.outcome == "unreachable":
@@ -111,19 +111,28 @@ def subtitle(summary: Summary) -> str:
     curve = text(_CURVES.get(name, own_name))
     for size, template in _SIZES.items():
         if scenario.get(size) is not None:
-            curve += text(template).format(size=f"{scenario[size]:g}")
+            curve += text(template, size=f"{scenario[size]:g}")
 
     player = json_values(summary.run.player)
-    played = text(_PLAYERS.get(player, "played by {player}")).format(player=player)
+    played = text(_PLAYERS.get(player, "played by {player}"), player=player)
     if summary.run.is_pulled:
         played = text("pulled without a guide, by the exact model")
     speed = _speed(scenario["speed"])
-    template = text("A dragon of {benches} benches at {speed} on a {curve}, {player}")
-    line = template.format(benches=scenario["benches"], speed=speed, curve=curve, player=played)
+    line = text(
+        "A dragon of {benches} benches at {speed} on a {curve}, {player}",
+        benches=scenario["benches"],
+        speed=speed,
+        curve=curve,
+        player=played,
+    )
     if times := _contact_times(summary):
-        both = text("; {engine} is the engine's time of contact, {exact} the exact one")
-        engine, exact = times
-        line += both.format(engine=_number(engine, 6, " s"), exact=_number(exact, 9, " s"))
+        engine = _number(times[0], 6, " s")
+        exact = _number(times[1], 9, " s")
+        line += text(
+            "; {engine} is the engine's time of contact, {exact} the exact one",
+            engine=engine,
+            exact=exact,
+        )
     return line
 
 
@@ -236,7 +245,10 @@ def _windows(windows: Sequence[ContactWindow]) -> Section:
 
 def _events(log: ContactLog) -> Section:
     """Collision callbacks of the engine."""
-    note = text("Collision callbacks of the engine, in the order in which they came: {count}.")
+    note = text(
+        "Collision callbacks of the engine, in the order in which they came: {count}.",
+        count=len(log),
+    )
     rows = []
     for event in log[:_MAX_ROWS]:
         points = " ".join(_vector(point, 3) for point in event.points)
@@ -246,12 +258,12 @@ def _events(log: ContactLog) -> Section:
         row += [_vector(event.relative_velocity, 3), _vector(event.impulse, 4)]
         rows.append(row)
     tables = _cut(_EVENT_HEADS, rows, len(log), left=(1, 2))
-    return Section("events", text("Events"), note.format(count=len(log)), tables)
+    return Section("events", text("Events"), note, tables)
 
 
 def _pair(benches: Sequence[int]) -> str:
     """Two benches as `0 and 8`."""
-    return text("{i} and {j}").format(i=benches[0], j=benches[1])
+    return text("{i} and {j}", i=benches[0], j=benches[1])
 
 
 def _comparison(summary: Summary) -> str:
@@ -263,21 +275,27 @@ def _comparison(summary: Summary) -> str:
     if run.free_from == 1:
         notes.append(text("No guide kept this dragon on its path."))
     elif run.free_from is not None:
-        free = text("No guide kept the benches from {bench} to the tail on the path.")
-        notes.append(free.format(bench=run.free_from))
+        free = text(
+            "No guide kept the benches from {bench} to the tail on the path.", bench=run.free_from
+        )
+        notes.append(free)
     elif times := _contact_times(summary):
         late = 1e3 * (times[0] - times[1])
-        template = text("{error} ms early") if late < 0 else text("{error} ms late")
-        error = template.format(error=_number(abs(late), 3))
-        same = text("The same benches touch in the exact model; the contact of the run is {error}.")
-        notes.append(same.format(error=error))
+        error = text(
+            "{error} ms early" if late < 0 else "{error} ms late", error=_number(abs(late), 3)
+        )
+        same = text(
+            "The same benches touch in the exact model; the contact of the run is {error}.",
+            error=error,
+        )
+        notes.append(same)
 
     if exact is not None and not (run.is_exact_march and contact):
         result = contact_text(exact.status, exact.benches, exact.point, exact.time, 9)
-        template = text("The exact model: {result}.")
         if summary.run.is_pulled:
-            template = text("With all benches on the path: {result}.")
-        notes.append(template.format(result=result))
+            notes.append(text("With all benches on the path: {result}.", result=result))
+        else:
+            notes.append(text("The exact model: {result}.", result=result))
     return " ".join(notes)
 
 
@@ -285,8 +303,11 @@ def _cut(heads: _Row, rows: Sequence[_Row], count: int, left: Sequence[int]) -> 
     """Table of the first rows of `count`, whose headings are translated here."""
     note = ""
     if count > len(rows):
-        template = text("These are the first {shown} of {count} rows; all are in the JSON report.")
-        note = template.format(shown=len(rows), count=count)
+        note = text(
+            "These are the first {shown} of {count} rows; all are in the JSON report.",
+            shown=len(rows),
+            count=count,
+        )
     return {"": Table(rows, [text(head) for head in heads], left, note)}
 
 
@@ -307,7 +328,7 @@ def _position_errors(summary: Summary) -> Section:
             "for the hole with the larger distance."
         )
     drift = summary.drift
-    first = text("Largest of the first {count} benches").format(count=drift["head_benches"])
+    first = text("Largest of the first {count} benches", count=drift["head_benches"])
     labels = {"head": first, "max": text("Largest of any bench")}
 
     rows = []
@@ -316,8 +337,8 @@ def _position_errors(summary: Summary) -> Section:
         peak = drift[f"{name}_at"]
         if peak is not None:
             time = _number(peak["time"], 3, " s")
-            template = text("{error} (bench {bench} at {time})")
-            error = template.format(error=error, bench=peak["bench"], time=time)
+            bench = peak["bench"]
+            error = text("{error} (bench {bench} at {time})", error=error, bench=bench, time=time)
         rows.append((label, error))
     return Section("drift", title, note, {"": Table(rows)})
 
@@ -339,7 +360,7 @@ def _speed(speed: float | list[list[float]]) -> str:
     speeds = [entry[1] for entry in speed]
     least = _value(min(speeds))
     most = _value(max(speeds))
-    return text("{least} to {most} m/s").format(least=least, most=most)
+    return text("{least} to {most} m/s", least=least, most=most)
 
 
 def _number(value: float | None, decimals: int, unit: str = "", *, scale: float = 1.0) -> str:

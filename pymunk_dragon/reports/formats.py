@@ -189,14 +189,14 @@ def contact_pictures(run: Run) -> list[tuple[str, str]]:
         span = max(span, _CLOSE_MARGIN * distance)
 
     cameras = {
-        text("The head at {time} s"): Camera(follow="head", span=span),
-        text("The whole dragon at {time} s"): Camera(),
+        text("The head at {time:.2f} s", time=time): Camera(follow="head", span=span),
+        text("The whole dragon at {time:.2f} s", time=time): Camera(),
     }
     pictures = []
     for caption, camera in cameras.items():
         png = still_png(run, time, Film(size=_STILL_SIZE, camera=camera))
         address = data_address(png, "image/png")
-        pictures.append((caption.format(time=f"{time:.2f}"), address))
+        pictures.append((caption, address))
     return pictures
 
 

@@ -68,8 +68,11 @@ def _state(row: Sequence[float]) -> list[str]:
 
 def _sensitivities(found: Paper) -> Table:
     """A row for each answer: its error, and its change for a millimetre more of each size."""
-    last = text("handle {i} at {time:g} s, along the path")
-    last = last.format(i=found.march.dragon.handles - 1, time=found.states.times[-1])
+    last = text(
+        "handle {i} at {time:g} s, along the path",
+        i=found.march.dragon.handles - 1,
+        time=found.states.times[-1],
+    )
     answers = zip(_ANSWERS, found.errors, found.slopes, strict=True)
     rows: list[tuple[str, ...]] = []
     for (name, unit, change), error, slopes in answers:

@@ -85,8 +85,8 @@ class Slider:
             flag(name, getattr(self, name))
         if self.action is not None:
             function("action", self.action)
-        finite("low", self.low, -math.inf, math.inf, self.unit)
-        if not finite("high", self.high, -math.inf, math.inf, self.unit) > self.low:
+        finite("low", self.low, unit=self.unit)
+        if not finite("high", self.high, unit=self.unit) > self.low:
             raise ParameterError("high", self.high, f"a number above {self.low:g}")
         if self.logarithmic and self.low <= 0:
             raise ParameterError("low", self.low, "above 0 on a logarithmic scale")

@@ -296,8 +296,6 @@ def _check_settings(settings: PlaySettings) -> None:
     """Check how a space is to be played."""
     if settings.step is not None:
         finite("step", settings.step, 1e-6, MAX_STEP, "s")
-    if settings.on_step is not None:
-        function("on_step", settings.on_step)
     described = "a sequence of Slider, Button, Key and others"
     controls = instances("controls", settings.controls, Slider | Button | PygameEvents, described)
     names = [each.name for each in controls if not isinstance(each, PygameEvents)]
@@ -315,7 +313,7 @@ def _check_settings(settings: PlaySettings) -> None:
     if settings.events is not None:
         instance("events", settings.events, list, "a list, to which texts are appended")
         instances("events", settings.events, str, "a list of texts")
-    for name in ("follow", "on_draw", "on_click"):
+    for name in ("on_step", "follow", "on_draw", "on_click"):
         if (called := getattr(settings, name)) is not None:
             function(name, called)
     if settings.title is not None:

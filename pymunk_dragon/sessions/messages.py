@@ -50,7 +50,7 @@ class Message:
     def _check(self, limit: float, *names: str) -> None:
         """Raise an error if one of these fields is no number from `-limit` to `limit`."""
         for name in names:
-            finite(name, getattr(self, name), -limit, limit, "")
+            finite(name, getattr(self, name), -limit, limit)
 
 
 class Input(Message):

@@ -53,7 +53,7 @@ def named_scene(name: str) -> SceneSource:
 
 def march_scene(march: March, start: float = 0.0) -> SceneSource:
     """The scene of a march that begins at `start`, s."""
-    finite("start", start, -math.inf, math.inf, "s")
+    finite("start", start, unit="s")
     try:
         saved_as = {"scenario": Scenario.of(march).to_dict(), "start": start}
     except ParameterError:  # A curve or a speed of the user's own.

@@ -162,10 +162,10 @@ class MaxSpeed(Result):
         times = distances / self.speed
         axes.plot(times, speeds, color=style.PALE, lw=0.9)
 
-        name = text("handle {}").format(self.handle)
+        name = text("handle {}", self.handle)
         fastest = speeds[:, self.handle]
         axes.plot(times, fastest, color=style.BLUE, lw=2.2, gid="fastest", label=name)
-        note = text("{:g} m/s at {:.3f} s").format(self.limit, self.time)
+        note = text("{:g} m/s at {:.3f} s", self.limit, self.time)
         (mark,) = axes.plot(self.time, self.limit, "o", gid="limit", label=note)
         mark.set(color=style.COLOURS.contact, markersize=7, zorder=4)
 

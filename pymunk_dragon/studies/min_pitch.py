@@ -122,7 +122,7 @@ class MinPitch(Result):
         larger = larger.format(count=len(self.larger_pitches), largest=self.larger_pitches[0])
         return [
             first.format(pitch=self.pitch, radius=self.radius),
-            labelled("", text("after {time:.3f} s").format(time=arrival)),
+            labelled("", text("after {time:.3f} s", time=arrival)),
             labelled(text("limit:"), limit),
             labelled(text("certified:"), f"{certified}\n{larger}"),
         ]

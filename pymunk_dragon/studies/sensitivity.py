@@ -68,8 +68,8 @@ class Sensitivity(Result):
         }
 
     def _lines(self) -> list[str]:
-        time = text("first contact at t = {time:.9f} s").format(time=self.contact.time)
-        pitch = text("smallest pitch {pitch:.12f} m").format(pitch=self.smallest.pitch)
+        time = text("first contact at t = {time:.9f} s", time=self.contact.time)
+        pitch = text("smallest pitch {pitch:.12f} m", pitch=self.smallest.pitch)
         heads = (text("size"), text("s per mm"), text("mm per mm"))
         labels = [name.replace("_", "-") for name in self.times]
         per_mm = [None if slope is None else slope / 1e3 for slope in self.times.values()]

@@ -237,7 +237,7 @@ class TurnResult(Result):
         """Both paths in the circle."""
         from pymunk_dragon.drawing.figures import style
 
-        title = text("The turn is {:.4f} m long on any two arcs").format(self.turn.length)
+        title = text("The turn is {:.4f} m long on any two arcs", self.turn.length)
         figure, axes = style.slide(title, self.contests.fastest)
         angles = np.linspace(0, 2 * np.pi, 400)
         circle = self.turn.radius * np.array([np.cos(angles), np.sin(angles)])
@@ -246,7 +246,7 @@ class TurnResult(Result):
         for marched, colour in ((self.contests, style.BLUE), (self.shortest, style.AMBER)):
             if marched is not None:
                 path = marched.path
-                name = text("{} arcs, {:.4f} m").format(len(path.pieces) - 2, marched.length)
+                name = text("{} arcs, {:.4f} m", len(path.pieces) - 2, marched.length)
                 # With parts of both spirals.
                 s = np.linspace(-4.0, path.joints[-1] + 4.0, 1200)
                 axes.plot(*path.point(s).T, color=colour, label=name)

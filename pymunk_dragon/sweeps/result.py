@@ -132,9 +132,9 @@ class Sweep(Result):
         points = text("{count} points of {quantity} over {names}")
         counts = [points.format(count=self.points, quantity=self.quantity, names=names)]
         if self.resumed:
-            counts.append(text("{count} resumed").format(count=self.resumed))
+            counts.append(text("{count} resumed", count=self.resumed))
         if self.failed:
-            counts.append(text("{count} failed").format(count=self.failed))
+            counts.append(text("{count} failed", count=self.failed))
         return [", ".join(counts) + f": {self.seconds:.1f} s"]
 
     def _draw(self) -> Any:

@@ -12,7 +12,7 @@ from pymunk_dragon._extras import library
 
 def asset(package: str, name: str) -> str:
     """Text of a package's file, as in `asset(__package__, "assets/page.css")`."""
-    return files(package).joinpath(name).read_text(encoding="utf-8")
+    return files(package).joinpath(name).read_text("utf-8")
 
 
 def substituted(template: str, **values: str) -> str:

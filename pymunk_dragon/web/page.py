@@ -5,27 +5,13 @@ import tomllib
 from dataclasses import asdict
 from html import escape
 
-from pymunk_dragon.drawing.palette import COLOURS, Palette
+from pymunk_dragon.drawing.palette import COLOURS
 from pymunk_dragon.web.html import asset, policy, substituted
 
 # Parts of pages' HTML that stand in the place of {{name}}.
 _PARTS = ("zoom", "help_tools", "help")
 # What `<svg>` in the pages' HTML stands for: an icon of a control, which has a name.
 _ICON = '<svg viewBox="0 0 20 20" aria-hidden="true">'
-# Counterparts of the films' colours on a dark ground: bright benches with dark outlines have the
-# same contrast there.
-DARK = Palette(
-    background="#171b22",
-    curve="#4b5361",
-    head="#f5b02e",
-    body="#7ea9cf",
-    tail="#3dbfae",
-    contact="#ff6b7d",
-    ink="#0e1217",
-    motion="#a6e69a",
-    force="#e3d0ff",
-    grid="#cfd6e2",
-)
 
 
 def scripts(*groups: str) -> list[str]:
@@ -83,9 +69,8 @@ def catalogue(*packages: str) -> dict[str, str]:
 def colour_variables() -> str:
     """Style with the colours of all pages; those of pictures are `--canvas-...`, light and dark."""
     colours = ""
-    dark = asdict(DARK)
     for name, light in asdict(COLOURS).items():
-        colours += f" --canvas-{name}: light-dark({light}, {dark[name]});"
+        colours += f" --canvas-{name}: light-dark({light}, var(--dark-{name}));"
     return _shared("colours.css") + f":root {{{colours} }}\n"
 
 

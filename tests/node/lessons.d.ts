@@ -145,10 +145,11 @@ interface Wall {
   at: (along: number, away?: number) => Point;
 }
 
-/** How far the course of a lesson came: its state, and the numbers of the choices. */
+/** How far the course of a lesson came: its state, the numbers of the choices, and its program. */
 interface Course {
   state: string;
   chosen: number[];
+  unfolded: boolean;
 }
 
 /** Moments of a scene, with the corners of each body. */

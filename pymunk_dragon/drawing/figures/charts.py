@@ -130,7 +130,7 @@ def _trajectories(source: FigureSource) -> Figure:
     times = np.linspace(source.begin, source.hit.time, 400)
     places = source.march.at(times).positions[:, list(handles)]
     for handle, radius in zip(handles, np.hypot(*np.moveaxis(places, -1, 0)).T, strict=True):
-        name = text("handle {}").format(handle)
+        name = text("handle {}", handle)
         over.plot(times, radius, label=name, gid=f"radius-{handle}")
     # The outermost first, as the lines are.
     over.legend(reverse=True, **BESIDE)
@@ -160,7 +160,7 @@ def _velocities(source: FigureSource) -> Figure:
     number: dict[str, Any] = {"ha": "center", "va": "center", "size": 9, "zorder": 5}
     number["textcoords"] = "offset points"
     for handle, point, velocity, speed in zip(handles, points, velocities, speeds, strict=True):
-        name = text("handle {}: {:.3f} m/s").format(handle, speed)
+        name = text("handle {}: {:.3f} m/s", handle, speed)
         axes.plot(*point, "o", color=COLOURS.ink, ms=5, zorder=4, label=name)
         # The number is behind the handle.
         number["xytext"] = -18 * velocity / speed
@@ -306,12 +306,12 @@ def _gap(source: FigureSource) -> Figure:
     logarithmic(axes, low, 3 * float(smallest.max()))
     axes.set(xlim=(since, hit.time), xlabel=text("time (s)"))
     for miss, marker in zip(misses, "osD^v", strict=False):
-        note = text("bench {}: {:.3f} mm\nat {:.3f} s")
-        note = note.format(miss.benches[1], 1e3 * miss.gap, miss.time)
+        bench = miss.benches[1]
+        note = text("bench {}: {:.3f} mm\nat {:.3f} s", bench, 1e3 * miss.gap, miss.time)
         axes.plot(miss.time, miss.gap, marker, color=COLOURS.ink, ms=6, label=note)
     if hit.contact:
         bench = hit.contact.benches[1]
-        note = text("bench {}: contact\nat {:.4f} s").format(bench, hit.time)
+        note = text("bench {}: contact\nat {:.4f} s", bench, hit.time)
         last: dict[str, Any] = {"color": COLOURS.contact, "ms": 8, "clip_on": False}
         axes.plot(hit.time, _MIN_GAP, "X", label=note, **last)
     if misses or hit.contact:
@@ -323,7 +323,7 @@ def _speeds(source: FigureSource) -> Figure:
     """Draw the speed along the dragon at several times."""
     times = _several_times(source.begin, source.last_regular_time)
     values = source.march.at(times).speeds
-    title = text("The handles go at {:.3f} to {:.3f} m/s").format(values.min(), values.max())
+    title = text("The handles go at {:.3f} to {:.3f} m/s", values.min(), values.max())
     figure, axes = slide(title, text("speed of every handle at several times, m/s"))
     _bundle(axes, values, times, "speed", text("handle, from the head to the tail"))
     return figure
@@ -338,7 +338,7 @@ def _drift(source: FigureSource) -> Figure:
     if run is None or run.is_pulled or len(run.times) == 1 or not run.max_drift > 0:
         raise ParameterError("run", run and "one without position errors", "a run of `simulate`")
     metres = EngFormatter("m", places=1)
-    title = text("The largest position error in a frame is {}").format(metres(run.max_drift))
+    title = text("The largest position error in a frame is {}", metres(run.max_drift))
     subtitle = text("position errors of the benches, at the worse of their two holes")
     figure, axes = slide(title, subtitle)
 
@@ -350,7 +350,7 @@ def _drift(source: FigureSource) -> Figure:
     name = text("largest of all")
     worst = np.fmax.reduce(errors, axis=1)
     axes.plot(times, worst, color=BLUE, gid="any-bench", label=name)
-    name = text("largest of the first {}").format(HEAD_BENCHES)
+    name = text("largest of the first {}", HEAD_BENCHES)
     worst = np.fmax.reduce(errors[:, :HEAD_BENCHES], axis=1)
     axes.plot(times, worst, color=AMBER, ls="--", gid="first-benches", label=name)
 
@@ -363,7 +363,7 @@ def _drift(source: FigureSource) -> Figure:
     if gaps:
         gap = min(gaps)
         high = max(high, 2 * gap)
-        note = text("smallest gap: {}").format(metres(gap))
+        note = text("smallest gap: {}", metres(gap))
         dots: dict[str, Any] = {"color": COLOURS.ink, "lw": 1.2, "ls": ":"}
         axes.axhline(gap, gid="smallest-gap", label=note, **dots)
     logarithmic(axes, low, high)
@@ -382,7 +382,7 @@ def _forces(source: FigureSource) -> Figure:
 
     several = _several_times(*run.interval)
     rows = np.unique(np.searchsorted(times, several))
-    title = text("The joints carry up to {:.2f} N").format(forces[rows].max())
+    title = text("The joints carry up to {:.2f} N", forces[rows].max())
     figure, axes = slide(title, text("force in every joint, N"))
     exact = _exact_forces(run, times[rows])
     dashes: dict[str, Any] = {"color": COLOURS.ink, "lw": 0.8, "ls": "--", "zorder": 3}

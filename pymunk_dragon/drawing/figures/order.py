@@ -41,9 +41,7 @@ def draw(source: FigureSource) -> Figure:
     substeps = _SUBSTEPS / march.speed_profile.fastest(start, until)
     figure, axes = slide(
         text("Half the step leaves a half of the error, or a quarter"),
-        text("largest position error of a bench where only the head pulls, {:g} m").format(
-            _DISTANCE
-        ),
+        text("largest position error of a bench where only the head pulls, {:g} m", _DISTANCE),
     )
     smallest = np.inf
     names = text("Pymunk's step (order 1)"), text("this engine's (order 2)")
@@ -51,7 +49,7 @@ def draw(source: FigureSource) -> Figure:
         errors = [_largest_error(exact, order, substep) for substep in substeps.tolist()]
         axes.loglog(substeps, errors, "o-", color=colour, gid=f"order-{order}", label=name)
         slope = errors[0] * (substeps / substeps[0]) ** order
-        label = text("slope {}").format(order)
+        label = text("slope {}", order)
         axes.loglog(substeps, slope, "--", color=QUIET, lw=0.9, gid=f"slope-{order}", label=label)
         smallest = min(smallest, *errors)
 

@@ -216,9 +216,9 @@ class FigureSource:
     @property
     def end(self) -> str:
         """Name and time of the first contact, or of the end."""
-        contact = text("the first contact, {:.2f} s")
-        name = contact if self.hit.contact else text("the end, {:.2f} s")
-        return name.format(self.hit.time)
+        if self.hit.contact:
+            return text("the first contact, {:.2f} s", self.hit.time)
+        return text("the end, {:.2f} s", self.hit.time)
 
     @property
     def last_regular_time(self) -> float:

@@ -203,7 +203,7 @@ def _model(run: Run | None) -> str:
     if run.free_from == 1:
         guide = text("only the head is guided")
     elif run.free_from is not None:
-        guide = text("benches are free from bench {bench} on").format(bench=run.free_from)
+        guide = text("benches are free from bench {bench} on", bench=run.free_from)
     elif guide == "rails":
         guide = text("dancers guide every bench")
     model = text("exact model") if run.player == "exact" else text("engine")
@@ -243,7 +243,7 @@ def _legend(
             entries.append(_entry(colour, letters, letters // 2, name, letters))
     for scene in scenes:
         if scene.factor:
-            name = text("position error x {factor:,.0f}").format(factor=scene.factor)
+            name = text("position error x {factor:,.0f}", factor=scene.factor)
             entries.append(_entry(COLOURS.motion, letters, 1, name, letters))
 
     if has_one_scale:

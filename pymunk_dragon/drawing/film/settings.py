@@ -98,7 +98,7 @@ class Film:
         finite("hold", self.hold, 0.0, _MAX_HOLD, "s")
         for name, time in (("start", self.start), ("until", self.until)):
             if time is not None:
-                finite(name, time, -math.inf, math.inf, "s")
+                finite(name, time, unit="s")
         instance("camera", self.camera, Camera, "a Camera")
         flag("legend", self.legend)
         for overlay in instance("show", self.show, tuple, "a tuple of overlays"):

@@ -83,7 +83,7 @@ class Lesson:
     @classmethod
     def read(cls, path: Path) -> Lesson:
         """The lesson in a file."""
-        _, *parts = CELL.split(path.read_text(encoding="utf-8"))
+        _, *parts = CELL.split(path.read_text("utf-8"))
         markdown = ""
         cells = []
         for mark, content in zip(parts[::2], parts[1::2], strict=True):
@@ -109,7 +109,7 @@ class Lesson:
     @property
     def source(self) -> str:
         """The whole program."""
-        return self.path.read_text(encoding="utf-8")
+        return self.path.read_text("utf-8")
 
     @property
     def builds_scene(self) -> bool:
@@ -168,7 +168,7 @@ def lessons() -> Mapping[str, Lesson]:
 def _chinese() -> dict[str, dict[str, str]]:
     """Sections of each lesson in Chinese; a line that is no list item is a paragraph."""
     file = FOLDER / "zh.toml"
-    found: dict[str, dict[str, str]] = tomllib.loads(file.read_text(encoding="utf-8"))["lessons"]
+    found: dict[str, dict[str, str]] = tomllib.loads(file.read_text("utf-8"))["lessons"]
     for sections in found.values():
         for name, text in sections.items():
             sections[name] = re.sub(r"\n(?!- )", "\n\n", text)

@@ -134,7 +134,7 @@ def make_page(
     `pages` are the addresses of other pages by their titles; the first one plays live scenes.
     """
     stages = [found.lesson.path.with_suffix(".js") for found in recordings]
-    own = [stage.read_text(encoding="utf-8") for stage in stages if stage.exists()]
+    own = [stage.read_text("utf-8") for stage in stages if stage.exists()]
     rules = "; connect-src 'self'; worker-src 'self'" if site else ""
     script = "\n".join([*scripts("lab", "played"), *own, *scripts("lessons")])
     styles = (asset(__package__, name) for name in STYLES)

@@ -37,8 +37,8 @@ speak(
     .find((each) => languages.includes(each)) ?? root.lang,
 );
 
-// What was guessed, and how far each course came, by the names of lessons: it outlasts a reload,
-// but not in a private frame, which has no storage.
+// What was guessed, how far each course came, and whether its program is unfolded, by the names of
+// lessons: it outlasts a reload, but not in a private frame, which has no storage.
 const MEMORY = "pymunk-dragon lessons";
 
 /** @type {() => Record<string, Course>} */
@@ -84,11 +84,13 @@ for (const lesson of /** @type {NodeListOf<HTMLElement>} */ (
   const fieldsets = [...guesses.querySelectorAll("fieldset")];
   const stage = partOf(lesson, ".stage");
   const answer = partOf(lesson, ".answer");
+  const program = partOf(lesson, ".code");
 
   const remember = () =>
     memorize(lesson.id, {
       state: lesson.dataset.state ?? "",
       chosen: choices.flatMap(({ checked }, k) => (checked ? k : [])),
+      unfolded: program.open,
     });
 
   /** @type {(state: string) => void} */
@@ -136,10 +138,14 @@ for (const lesson of /** @type {NodeListOf<HTMLElement>} */ (
     if (target.closest(".open")) openGuessed();
     if (target.closest(".open-unguessed")) open();
   });
-  guesses.addEventListener("keydown", (/** @type {KeyboardEvent} */ { key }) => {
-    if (key === "Enter") openGuessed();
+  guesses.addEventListener("keydown", (/** @type {KeyboardEvent} */ event) => {
+    if (event.key !== "Enter") return;
+    // The same key would press the button of the stage that has the focus then.
+    event.preventDefault();
+    openGuessed();
   });
   guesses.addEventListener("change", remember);
+  program.addEventListener("toggle", remember);
 
   partOf(lesson, ".show").addEventListener("click", () => {
     show();
@@ -155,7 +161,9 @@ for (const lesson of /** @type {NodeListOf<HTMLElement>} */ (
   });
 
   // What the page showed before it was loaded again, or what its address has of the stage.
-  const { state = "guess", chosen = [] } = memory[lesson.id] ?? {};
+  const { state = "guess", chosen = [], unfolded = false } = memory[lesson.id] ?? {};
+  // Otherwise the browser, which keeps the place, would keep it on a page of another length.
+  program.open = unfolded;
   for (const [k, choice] of choices.entries()) choice.checked = chosen.includes(k);
   if (state === "answered") show();
   if (state === "open") enter("open");
@@ -164,6 +172,8 @@ for (const lesson of /** @type {NodeListOf<HTMLElement>} */ (
     if (name !== lesson.id || !kept.length) return;
     if (lesson.dataset.state === "guess") enter("open");
     fill();
+    // Not to where it was: stages above have their heights only once they are seen.
+    history.scrollRestoration = "manual";
     partOf(lesson, ".pinned").scrollIntoView();
   };
   if (lesson.dataset.state !== "guess") whenSeen(stage, fill);

@@ -1,11 +1,10 @@
 // Draws what Pymunk's debug drawing draws.
 
-const SHAPE_OUTLINE = 1; // pixels
 const JOINT_WIDTH = 1.5; // pixels
 const DOT_SIZE = 0.6; // radius of a dot over Pymunk's
 // Outlines that share a path, because drawing a path costs more than extending it. Closing a part
 // takes the longer the longer the path is; circles are not closed. What is filled has a path each:
-// browsers fill a convex shape, and above all a circle alone in its path, several times as fast.
+// Chromium fills a circle alone in its path in less than half the time.
 const MOST_CIRCLES = 1000;
 const MOST_OTHERS = 50;
 
@@ -52,21 +51,54 @@ function shapePath(view, { points, radius }) {
   return path;
 }
 
+// Copies circles.
+const discs = new Discs();
+
 /** @type {Layer<LivePicture>} */
 function drawCalls({ context, view }, { calls }) {
+  const ratio = context.getTransform().a;
+  const visible = calls.filter(({ points, reach }) =>
+    view.isVisible(points[0][0], points[0][1], reach),
+  );
+  /** @type {(call: Call) => boolean} */
+  const isDisc = ({ kind, radius, opaque }) =>
+    kind === "circle" && opaque && discs.fits(context.canvas, radius * view.scale, ratio);
+  /** @type {(one: Call, two: Call) => boolean} */
+  const areAlike = (one, two) =>
+    isDisc(one) ? isDisc(two) && one.outline === two.outline : !isDisc(two);
+  for (const some of runsOf(visible, areAlike, () => Infinity)) {
+    const copies = some.length >= LEAST_DISCS && isDisc(some[0]);
+    if (copies) {
+      const screen = some.map((call) => pixelsOf(view, call)[0]);
+      discs.draw(context, ratio, view.scale, some, screen);
+    }
+    for (const run of runsOf(some, copies ? areAlike : sharesPaint, mostInPath)) {
+      if (copies) strokeSpokes(context, view, run);
+      else paintCalls(context, view, run);
+    }
+  }
+}
+
+/** @type {(call: Call) => number} */
+const mostInPath = ({ kind }) => (kind === "circle" ? MOST_CIRCLES : MOST_OTHERS);
+
+// Calls that follow each other: all are like the first one, and there are at most so many.
+/**
+ * @param {Call[]} calls
+ * @param {(one: Call, two: Call) => boolean} areAlike
+ * @param {(call: Call) => number} most
+ */
+function* runsOf(calls, areAlike, most) {
   /** @type {Call[]} */
   let run = [];
   for (const call of calls) {
-    const first = call.points[0];
-    if (!view.isVisible(first[0], first[1], call.reach)) continue;
-    const most = call.kind === "circle" ? MOST_CIRCLES : MOST_OTHERS;
-    if (run.length >= most || !(run.length && sharesPaint(run[0], call))) {
-      paintCalls(context, view, run);
+    if (run.length && (run.length >= most(call) || !areAlike(run[0], call))) {
+      yield run;
       run = [];
     }
     run.push(call);
   }
-  paintCalls(context, view, run);
+  if (run.length) yield run;
 }
 
 /** @type {(one: Call, two: Call) => boolean} */
@@ -78,7 +110,6 @@ function sharesPaint(one, two) {
 // Paint calls of the same colours: first what is filled, then all lines.
 /** @type {(context: CanvasRenderingContext2D, view: View, calls: Call[]) => void} */
 function paintCalls(context, view, calls) {
-  if (!calls.length) return;
   const [{ kind, fill, outline }] = calls;
   const screen = calls.map((call) => pixelsOf(view, call));
   context.fillStyle = fill;
@@ -126,6 +157,17 @@ function addCall(path, view, call, corners) {
   if (call.kind === "line") {
     corners.forEach((corner, i) => path[i ? "lineTo" : "moveTo"](...corner));
   } else addOutline(path, corners, radiusOf(view, call));
+}
+
+/** @type {(context: CanvasRenderingContext2D, view: View, calls: Call[]) => void} */
+function strokeSpokes(context, view, calls) {
+  context.strokeStyle = calls[0].outline ?? "";
+  context.lineWidth = SHAPE_OUTLINE;
+  context.lineCap = "butt";
+  context.beginPath();
+  for (const call of calls) addSpoke(context, view, call, pixelsOf(view, call)[0]);
+  context.stroke();
+  context.lineCap = "round";
 }
 
 // A line from the centre shows how a circle turns.
