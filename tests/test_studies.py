@@ -233,7 +233,7 @@ def test_a_study_brings_its_options_and_its_formats(call, monkeypatch):
     assert Deepest(1.0)._repr_html_() == "<pre>1.0 m</pre>"
     status, _, err = call("study", "deepest", "-o", "deepest.png")
     assert (status, ".json" in err) == (2, True)
-    assert "--depth M" in call("study", "--help")[1]
+    assert "--depth FLOAT" in call("study", "--help")[1]
     status, _, err = call("study", "min-pitch", "--depth", "3")
     assert (status, "min-pitch" in err) == (2, True)
 

@@ -298,7 +298,7 @@ def test_full_disk_keeps_what_was_written(case, monkeypatch):
     def full(*given):
         raise OutputError("map.csv", "No space left on device")
 
-    for function, kept in (("os.fsync", 1), ("pymunk_dragon.sweeps.result.written_in_place", 6)):
+    for function, kept in (("os.fsync", 1), ("pymunk_dragon.sweeps.result.write_text", 6)):
         with monkeypatch.context() as other:
             other.setattr(function, full)
             with pytest.raises(OutputError, match="No space left"):
