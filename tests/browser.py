@@ -111,5 +111,5 @@ def framed(browser: Browser, content: str, how: str) -> Iterator[tuple[Opened, F
         frame = found.page.wait_for_selector("iframe").content_frame()
         assert frame is not None
         yield found, frame
-        assert found.complaints == []
+        assert found.complaints == [], found.complaints
         assert found.boxes == []

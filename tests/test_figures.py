@@ -86,7 +86,8 @@ def test_figure_has_the_same_bytes_in_each_format_whatever_the_settings(name, tm
         assert len(content) < 400_000
         if ending == ".png":
             with Image.open(file) as picture:
-                assert picture.width == (1600 if name in CHARTS else 880)
+                # A page beside or above a text, in print.
+                assert picture.width >= (1120 if name in CHARTS else 880)
             continue
         # Neither text that needs a font, nor a date.
         assert not any(part in content for part in (b"<text", b"<dc:date>", b"/CreationDate"))

@@ -354,7 +354,7 @@ def test_course_language_and_links_work_in_a_frame_that_allows_scripts_only(brow
             )
             lesson.locator("input").first.check()
             lesson.locator(opens).click()
-            assert lesson.locator(".stage :is(canvas, img):visible").count() == 1
+            lesson.locator(".stage :is(canvas, img)").wait_for()
             lesson.locator(".show").click()
             assert lesson.locator(".answer").is_visible()
             lesson.locator(".code summary").click()
@@ -374,7 +374,7 @@ def test_lesson_of_the_engine_shows_its_film_or_how_it_begins_and_how_to_play_it
     for name, picture in (("callbacks", "img"), ("tension", "canvas")):
         lesson = seen.page.locator(f"#{name}")
         lesson.locator(".cover .open-unguessed").click()
-        assert lesson.locator(f".stage[data-scene] {picture}:visible").count() == 1
+        lesson.locator(f".stage[data-scene] {picture}").wait_for()
         assert lesson.locator(".stage :is(img, canvas)").count() == 1
         assert "pymunk-dragon demo --live" in lesson.locator(".stage").inner_text()
 

@@ -6,7 +6,7 @@ import math
 
 import pymunk
 import pytest
-from live_sessions import Listener, Played, played
+from live_sessions import Listener, Played, decoded, played
 from test_sessions_examples import assert_drawn_alike
 
 from pymunk_dragon.sessions.scene import PlaySettings, Scene
@@ -191,10 +191,18 @@ def test_page_gets_shapes_once_and_again_when_they_change():
         assert shapes[0] != shapes[1]
 
 
+class Watcher(Listener):
+    """A client that keeps the contacts of the newest frame."""
+
+    def show(self, frame, outlines):
+        found = decoded(frame)
+        self.newest = found.step, len(found.contacts)
+
+
 def test_frames_have_contacts_while_a_page_shows_them():
     with played(crowd()) as on:
         [first] = on.session.clients
-        second = Listener(on.session, [])
+        second = Watcher(on.session, [])
         second.controls = False
         on.session.join(second)
         found = {}
@@ -202,7 +210,9 @@ def test_frames_have_contacts_while_a_page_shows_them():
             for page, contacts in zip((first, second), shown, strict=True):
                 page.do("show", contacts=contacts)
             on.step(30)
-            found[shown] = len(on.frame().contacts)
+            while second.newest[0] < on.scene.steps:
+                on.settle()
+            found[shown] = second.newest[1]
         assert found.pop((False, False)) == 0
         assert all(found.values())
 

@@ -9,7 +9,11 @@ const PARTS = 4; // of a pixel along each axis, to which centres are rounded
 const ROUNDED = 8; // parts of a pixel, to which radii are rounded
 const MOST_STAMPS = 500; // kinds of circles that are remembered
 
-/** @typedef {{ side: number, pixels: Uint32Array }} Stamp */
+/**
+ * @typedef {object} Stamp
+ * @property {number} side
+ * @property {Uint32Array} pixels
+ */
 
 class Discs {
   constructor() {

@@ -103,7 +103,7 @@ for (const lesson of /** @type {NodeListOf<HTMLElement>} */ (
   const fill = () => {
     // Where no engine plays, the recorded run stays.
     const plays = !stage.dataset.scene || HAS_ENGINE;
-    if (plays && !stage.querySelector("canvas")) openStage(stage);
+    if (plays && !stage.querySelector(".scene")) openStage(stage);
   };
 
   const open = () => {
@@ -154,8 +154,8 @@ for (const lesson of /** @type {NodeListOf<HTMLElement>} */ (
 
   partOf(lesson, ".again").addEventListener("click", () => {
     for (const choice of choices) choice.checked = false;
-    // The experiment begins anew.
-    if (stage.querySelector("canvas")) resetStage(stage);
+    // The experiment begins anew; a recorded picture has none.
+    if (stage.querySelector(".scene")) resetStage(stage);
     enter("guess");
     choices[0]?.focus();
   });
