@@ -6,7 +6,6 @@ import sys
 from importlib.machinery import ModuleSpec
 from importlib.util import module_from_spec
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import PIL
@@ -99,34 +98,44 @@ def stand_in(name, **content):
     vars(module).update(content, __getattr__=use)
 
 
-def spline(x, y):
-    """SciPy's `CubicSpline(x, y)`: its coefficients `c`."""
-    n = len(x)
-    if n > MOST_POINTS:
-        pytest.skip("needs scipy")
-    h = np.diff(x)
-    slopes = np.diff(y) / h
+class Spline:
+    """SciPy's `CubicSpline(x, y)`: its coefficients `c`, and its values and derivatives."""
 
-    # The second derivatives: slopes are continuous, and at the points beside the ends also the
-    # third derivative.
-    matrix = np.zeros((n, n))
-    right = np.zeros_like(y)
-    for i in range(1, n - 1):
-        matrix[i, i - 1 : i + 2] = h[i - 1], 2 * (h[i - 1] + h[i]), h[i]
-        right[i] = 6 * (slopes[i] - slopes[i - 1])
-    matrix[0, :3] = h[1], -h[0] - h[1], h[0]
-    matrix[-1, -3:] = h[-1], -h[-1] - h[-2], h[-2]
-    second = np.linalg.solve(matrix, right)
+    def __init__(self, x, y):
+        self.x = x
+        n = len(x)
+        if n > MOST_POINTS:
+            pytest.skip("needs scipy")
+        h = np.diff(x)
+        slopes = np.diff(y) / h
 
-    first = slopes - h * (2 * second[:-1] + second[1:]) / 6
-    third = np.diff(second) / h
-    return SimpleNamespace(c=np.array([third / 6, second[:-1] / 2, first, y[:-1]]))
+        # The second derivatives: slopes are continuous, and at the points beside the ends also the
+        # third derivative.
+        matrix = np.zeros((n, n))
+        right = np.zeros_like(y)
+        for i in range(1, n - 1):
+            matrix[i, i - 1 : i + 2] = h[i - 1], 2 * (h[i - 1] + h[i]), h[i]
+            right[i] = 6 * (slopes[i] - slopes[i - 1])
+        matrix[0, :3] = h[1], -h[0] - h[1], h[0]
+        matrix[-1, -3:] = h[-1], -h[-1] - h[-2], h[-2]
+        second = np.linalg.solve(matrix, right)
+
+        first = slopes - h * (2 * second[:-1] + second[1:]) / 6
+        third = np.diff(second) / h
+        self.c = np.array([third / 6, second[:-1] / 2, first, y[:-1]])
+
+    def __call__(self, at, order=0):
+        piece = np.clip(np.searchsorted(self.x, at, side="right") - 1, 0, len(self.x) - 2)
+        found = self.c[:, piece]
+        for _ in range(order):
+            found = found[:-1] * np.arange(len(found) - 1, 0, -1)[:, None]
+        return np.polyval(found, at - self.x[piece])
 
 
 def tests():
     """Run the tests: pytest's exit code, and how many ended in which way."""
     stand_in("scipy")
-    stand_in("scipy.interpolate", CubicSpline=spline)
+    stand_in("scipy.interpolate", CubicSpline=Spline)
     stand_in("shapely")
     stand_in("playwright")
     stand_in("playwright.sync_api")
