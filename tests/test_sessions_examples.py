@@ -7,6 +7,7 @@ import math
 import re
 import runpy
 import sys
+from io import BytesIO
 from itertools import pairwise
 from pathlib import Path
 from types import SimpleNamespace
@@ -16,6 +17,7 @@ import pymunk
 import pytest
 from documents import GUIDES
 from live_sessions import Listener, drawn_in
+from PIL import Image
 from test_sessions_input import keep_queries
 
 from pymunk_dragon.sessions import Live
@@ -161,6 +163,13 @@ def test_spring_in_metres_is_as_wide_as_pymunk_draws_one_of_40_pixels():
     [spring] = [call for call in drawn_in(scene)[0] if call[0] == "line"]
     low, high = spring[1].min(axis=0), spring[1].max(axis=0)
     assert high - low == pytest.approx((12 / 40 * 2, 2))
+
+    # So it is in the picture that a page shows before it plays.
+    scene.view = {"centre": [0, 1], "size": [8, 8]}
+    with Image.open(BytesIO(scene.picture())) as picture:
+        pixels = np.asarray(picture.convert("RGB"))
+    columns = np.flatnonzero((pixels == (142, 68, 173)).all(axis=-1).any(axis=0))
+    assert np.ptp(columns) < len(pixels) / 8
 
 
 # The lines that the guide adds to a program whose y points down.

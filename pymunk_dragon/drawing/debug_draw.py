@@ -189,15 +189,11 @@ def still(
     field: Mapping[str, Sequence[float]],
     *,
     y_down: bool,
-    flags: int,
     more: Sequence[DrawCall],
 ) -> bytes:
-    """PNG of a part of a space, of a centre and a size.
-
-    The `flags` of debug drawing choose what is drawn; `more` is drawn over it.
-    """
+    """PNG of the shapes in a part of a space, of a centre and a size, and of `more` over them."""
     options = PillowDrawOptions(Image.new("RGB", _STILL_SIZE, "white"), positive_y_is_up=not y_down)
-    options.flags = flags
+    options.flags = options.DRAW_SHAPES
     x, y = field["centre"]
     width, height = field["size"]
     options.fit(pymunk.BB(x - width / 2, y - height / 2, x + width / 2, y + height / 2))

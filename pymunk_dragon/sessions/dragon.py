@@ -14,7 +14,6 @@ from pymunk_dragon.model.run import position_errors
 from pymunk_dragon.model.scenario import Scenario
 from pymunk_dragon.model.settings import MAX_STRIDE, EngineSettings
 from pymunk_dragon.physics.assembly import top_speed
-from pymunk_dragon.physics.draw_calls import DrawRecorder
 from pymunk_dragon.physics.readings import arbiter_rows, impulse_of, joint_at
 from pymunk_dragon.physics.world import World
 from pymunk_dragon.sessions.controls import Slider, slider_around
@@ -43,7 +42,7 @@ class DragonScene(Scene):
     """A dragon whose head is pulled along a march; see `Scene` and `World`."""
 
     # The joints of the dancers are not drawn.
-    drawn = DrawRecorder.DRAW_SHAPES
+    draws_joints = False
     shown = ("curve", "exact", "contacts")
 
     def __init__(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 import pymunk
@@ -22,8 +21,12 @@ _COILED = 40.0
 _DOT = 5.0
 
 
-def joint_numbers(space: pymunk.Space, ends: Array, units: str) -> Array:
-    """Dots and lines of the joints of a space that are awake, as `packed` has them.
+# Kind and radius of calls, and the points (n, K, 2) of each.
+_Calls = tuple[str, float, Array]
+
+
+def joint_calls(space: pymunk.Space, ends: Array, units: str) -> list[_Calls]:
+    """Dots and lines of the joints of a space that are awake.
 
     The `ends` (J, 4) are in the world. All have one colour: their order does not matter. Chipmunk's
     coils are made for pixels: in other units, a spring has coils in proportion to its length.
@@ -57,13 +60,18 @@ def joint_numbers(space: pymunk.Space, ends: Array, units: str) -> Array:
     along = (end - begin)[:, None]
     width = abs(along) if units == "px" else _COILED
     coils = begin[:, None] + along * (_ALONG + 1j * _ACROSS / width)
-    calls = [_calls("dot", 1, dots, _DOT), _calls("line", 2, lines)]
-    calls.append(_calls("line", len(_ALONG), as_vectors(coils)))
-    return np.concatenate(calls)
+    return [
+        ("dot", _DOT, np.reshape(dots, (-1, 1, 2))),
+        ("line", 0.0, np.reshape(lines, (-1, 2, 2))),
+        ("line", 0.0, as_vectors(coils)),
+    ]
 
 
-def _calls(kind: str, count: int, points: Any, radius: float = 0.0) -> Array:
-    """Calls of a kind, of which each has so many points, in the colour with the number 0."""
-    rows = np.reshape(points, (-1, 2 * count))
-    head = [KINDS[kind], count, radius, 0, 0, -1, 0]
-    return np.hstack([np.tile(head, (len(rows), 1)), rows]).ravel()
+def joint_numbers(calls: list[_Calls]) -> Array:
+    """Calls as `packed` has them, in the colour with the number 0."""
+    found = []
+    for kind, radius, points in calls:
+        count, corners, _ = points.shape
+        head = np.tile([KINDS[kind], corners, radius, 0, 0, -1, 0], (count, 1))
+        found.append(np.hstack([head, points.reshape(count, 2 * corners)]).ravel())
+    return np.concatenate(found)

@@ -16,7 +16,7 @@ import pymunk
 from pymunk_dragon._arrays import Array
 from pymunk_dragon._checks import number, word
 from pymunk_dragon.errors import DragonError, ParameterError
-from pymunk_dragon.physics.draw_calls import DrawRecorder, area
+from pymunk_dragon.physics.draw_calls import DrawCall, DrawRecorder, area
 from pymunk_dragon.physics.readings import (
     QUANTITIES,
     Readings,
@@ -30,7 +30,7 @@ from pymunk_dragon.physics.readings import (
 from pymunk_dragon.physics.substep import next_length
 from pymunk_dragon.sessions.controls import Button, Key, PygameEvents, Slider, slider_around
 from pymunk_dragon.sessions.draw import Draw
-from pymunk_dragon.sessions.joints import joint_numbers
+from pymunk_dragon.sessions.joints import joint_calls, joint_numbers
 from pymunk_dragon.sessions.outlines import Outlines
 from pymunk_dragon.web.frames import in_binary, packed
 
@@ -73,8 +73,8 @@ class PlaySettings:
 class Scene:
     """Any Pymunk space, drawn as Pymunk's debug drawing draws it."""
 
-    # What pictures and the page show of Pymunk's debug drawing; contacts are sent apart.
-    drawn = DrawRecorder.DRAW_SHAPES | DrawRecorder.DRAW_CONSTRAINTS
+    # Whether joints are drawn.
+    draws_joints = True
     # Words of `PARTS` that the page shows at first, unless the user chooses others.
     shown: Sequence[str] = ()
     # Whether frames have the contacts, which take long to read.
@@ -160,9 +160,18 @@ class Scene:
         # Pages need no picture, and begin sooner without Pillow.
         from pymunk_dragon.drawing.debug_draw import still
 
-        y_down = self.settings.y_down
-        more = self._drawing.calls
-        return still(self.space, view, y_down=y_down, flags=self.drawn, more=more)
+        more = [*self._drawn_joints(), *self._drawing.calls]
+        return still(self.space, view, y_down=self.settings.y_down, more=more)
+
+    def _drawn_joints(self) -> Iterator[DrawCall]:
+        """What the page draws of joints."""
+        if not self.draws_joints:
+            return
+        ends = self._readings.joints([*self.space.constraints])[:, :4]
+        colour = self._recorder.constraint_color
+        for kind, radius, points in joint_calls(self.space, ends, self.settings.units):
+            for each in points.tolist():
+                yield DrawCall(kind, tuple(pymunk.Vec2d(*point) for point in each), radius, colour)
 
     def advance(self) -> None:
         """Make a step; an error is raised if a body has no finite position after it."""
@@ -432,7 +441,7 @@ class Scene:
 
         drawn = [*self.space.constraints]
         rows = self._readings.joints(drawn)
-        of_joints = joint_numbers(self.space, rows[:, :4], self.settings.units)
+        of_joints = joint_numbers(joint_calls(self.space, rows[:, :4], self.settings.units))
         calls, colours = packed(self._drawing.calls, grip, self._recorder.constraint_color)
 
         with_forces = set(self.joints())
