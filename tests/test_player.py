@@ -329,7 +329,7 @@ def test_notebook_that_imports_march_alone_shows_marches_and_runs_as_pictures():
 def test_figures_of_marches_and_runs_are_pictures(run):
     for source in (SMALL, run):
         shown = opened(figure("trajectories", source)._repr_png_())
-        assert shown.width >= 560
+        assert shown.width == 560
         assert has(shown, "background")
 
 

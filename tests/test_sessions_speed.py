@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+import time
 
 import pymunk
 import pytest
-from live_sessions import Listener, Played, decoded, played
+from live_sessions import PATIENCE, Listener, Played, decoded, played
 from test_sessions_examples import assert_drawn_alike
 
 from pymunk_dragon.sessions.scene import PlaySettings, Scene
@@ -210,7 +211,10 @@ def test_frames_have_contacts_while_a_page_shows_them():
             for page, contacts in zip((first, second), shown, strict=True):
                 page.do("show", contacts=contacts)
             on.step(30)
+            # The session's thread shows pages the last step in its next round.
+            end = time.monotonic() + PATIENCE
             while second.newest[0] < on.scene.steps:
+                assert time.monotonic() < end, "no frame of the last step"
                 on.settle()
             found[shown] = second.newest[1]
         assert found.pop((False, False)) == 0

@@ -177,7 +177,7 @@ class Recorder:
             body = self._world.bodies[bench]
             corners = self._world.shapes[bench].get_vertices()
             outlines.append(list(map(body.local_to_world, corners)))
-        # As in `substep`.
+        # Pages begin sooner without the search for contacts.
         from pymunk_dragon.collision.sat import separation
 
         return bool(separation(*outlines).distance > 0)

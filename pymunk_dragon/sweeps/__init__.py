@@ -16,8 +16,9 @@ $ pymunk-dragon sweep --quantity max-speed --axis ratio=1:2:0.25 --axis radius=4
 - **Quantities** are `contact-time`, `min-pitch` and `max-speed`, or a function of yours of a march
   that returns names and numbers: `--quantity mine:longest_gap` of `mine.py` in this folder.
 - **Borders** between points where other benches touch are found on the lines of the grid: with
-  `--refine 4` to a sixteenth of the distance of its points. The map above has 2,326 points, a grid
-  as fine has 128,721 (`--axis pitch=0.50:0.60:0.004 --axis width=0.25:0.35:0.005 --refine 4`).
+  `--refine 4` to a sixteenth of the distance of its points. The map in the README has 2,326 points
+  (`--axis pitch=0.50:0.60:0.004 --axis width=0.25:0.35:0.005 --refine 4`), a grid as fine 128,721.
+  A band that lies between two neighbours of the same kind is not found.
 - **The table** has a row for each point, in the order of the grid: the axes, the values, and
   `error`, the reason why a point has no values, as on a spiral narrower than the benches; the exit
   code is then 1.

@@ -3,7 +3,8 @@
 The axes become finer, and few of the points that they now have are evaluated: those of the given
 grid, and then middles between two neighbours on its lines, as long as their kinds differ. Where a
 border crosses a line of the given grid is then known to a step of the finer axes, and so is the
-width of a band there: the halves always approach what lies between two kinds.
+width of a band there: the halves always approach what lies between two kinds. A band between two
+neighbours of the same kind is not found: nothing shows that it is there.
 """
 
 from __future__ import annotations

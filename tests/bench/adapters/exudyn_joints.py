@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 import exudyn
-import exudyn.itemInterface as items  # noqa: N813
+import exudyn.itemInterface as items  # noqa: N813  # A module with a name of its own kind.
 import numpy as np
 
 from adapters import Scene
