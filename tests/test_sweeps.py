@@ -529,6 +529,41 @@ def test_two_points_end_at_ctrl_c_while_their_workers_start_or_evaluate_them(tmp
         assert os.listdir(tmp_path) == ["points.log"]
 
 
+# Ctrl-C goes to a thread of a library, as of OpenBLAS, since the main thread blocks it.
+INTERRUPTED_START = """
+import signal, threading
+from multiprocessing import util
+import pymunk_dragon.__main__
+
+started = threading.Event()
+start = util.spawnv_passfds
+
+def interrupt():
+    started.wait()
+    signal.pthread_kill(threading.get_ident(), signal.SIGINT)
+
+thread = threading.Thread(target=interrupt)
+thread.start()
+
+def start_and_interrupt(path, arguments, files):
+    number = start(path, arguments, files)
+    if "spawn_main" in str(arguments):
+        started.set()
+        thread.join()
+    return number
+
+util.spawnv_passfds = start_and_interrupt
+pymunk_dragon.__main__.main()
+"""
+
+
+def test_ctrl_c_before_a_worker_has_read_what_it_is_to_do_is_one_line(tmp_path):
+    command = [PYTHON, "-c", INTERRUPTED_START, *SWEEP[3:]]
+    with program(tmp_path, "--axis", "x=8,9", "--workers", "2", command=command) as running:
+        assert_ended(running, 130, "interrupted")
+    assert set(os.listdir(tmp_path)) <= {"points.log"}
+
+
 @pytest.mark.parametrize("killed", ["worker", pytest.param("program", marks=pytest.mark.thorough)])
 def test_killed_worker_ends_the_sweep_and_killed_program_its_workers(tmp_path, killed):
     with program(tmp_path, *TWELVE) as running:

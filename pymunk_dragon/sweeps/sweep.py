@@ -15,8 +15,9 @@ from multiprocessing import active_children, get_context, parent_process
 from multiprocessing.spawn import get_executable
 from pathlib import Path
 from queue import SimpleQueue
-from threading import Thread
+from threading import Thread, current_thread, main_thread
 from time import perf_counter
+from types import FrameType
 from typing import Any
 from zlib import crc32
 
@@ -45,6 +46,9 @@ _MAX_HALVINGS = 10
 _CORES = min(os.cpu_count() or 1, _MAX_WORKERS)
 if hasattr(os, "sched_getaffinity"):
     _CORES = len(os.sched_getaffinity(0))
+
+# Signals that end the program. Windows has no SIGHUP.
+_ENDING = {signal.SIGINT, signal.SIGTERM, getattr(signal, "SIGHUP", signal.SIGTERM)}
 
 
 def sweep(
@@ -205,12 +209,12 @@ def _processes(count: int) -> Iterator[_Submit]:
     except (OSError, subprocess.SubprocessError) as error:
         raise DragonError(f"no worker process starts: {error}") from error
     others = active_children()
-    with _blocked_signals():
+    with _blocked_signals(), _held_signals():
         pool = ProcessPoolExecutor(count, get_context("spawn"), _begin_worker)
 
     def submit(*arguments: Any) -> Future[Outcome]:
         """Submit a call, for which a process may be started."""
-        with _blocked_signals():
+        with _blocked_signals(), _held_signals():
             return pool.submit(*arguments)
 
     try:
@@ -233,12 +237,38 @@ def _blocked_signals() -> Iterator[None]:
     if not hasattr(signal, "pthread_sigmask"):  # On Windows.
         yield
         return
-    ending = {signal.SIGINT, signal.SIGTERM, signal.SIGHUP}
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, ending)
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, _ENDING)
     try:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextmanager
+def _held_signals() -> Iterator[None]:
+    """Hold the signals that end the program until processes that start have what they read first.
+
+    A signal that this thread blocks goes to another one, as of OpenBLAS, and Python calls its
+    handler in the main thread nonetheless.
+    """
+    handlers = {}
+    if current_thread() is main_thread():
+        found = {number: signal.getsignal(number) for number in _ENDING}
+        handlers = {number: handler for number, handler in found.items() if callable(handler)}
+    held: list[int] = []
+
+    def hold(number: int, frame: FrameType | None) -> None:
+        held.append(number)
+
+    try:
+        for number in handlers:
+            signal.signal(number, hold)
+        yield
+    finally:
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
+        for number in held:
+            signal.raise_signal(number)
 
 
 def _begin_worker() -> None:
