@@ -217,6 +217,7 @@ def test_program_that_a_page_cannot_play_is_refused(program, copy, tmp_path, sou
     with pytest.raises(DragonError, match=re.escape(named)) as refused:
         publish_program(program, tmp_path / "site", runtime=copy)
     assert "\n" not in str(refused.value)
+    assert str(refused.value).count(program.name) == 1
     assert not (tmp_path / "site").exists()
     assert Live.made_by is None
 

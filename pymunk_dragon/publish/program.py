@@ -73,7 +73,7 @@ def _parsed(path: Path) -> ast.Module:
     """The syntax tree of a program."""
     source = read_text(path, "program")
     try:
-        return ast.parse(source, str(path))
+        return ast.parse(source, "program")
     except (SyntaxError, ValueError) as error:
         raise FileFormatError(path, f"no program of Python: {error}") from error
 
@@ -118,7 +118,8 @@ def _scene(path: Path) -> Scene:
         scene = shown.session.scene
     except (Exception, SystemExit) as error:
         failure = described(error)
-        reason = f"{failure.get('place', 'fails')}: {failure['text']}"
+        place = failure.get("place", "fails").removeprefix(f"{path.name}, ")
+        reason = f"{place}: {failure['text']}"
         raise FileFormatError(path, reason) from error
     else:
         raise FileFormatError(path, "ends without a call of live")
