@@ -248,8 +248,8 @@ def _blocked_signals() -> Iterator[None]:
 def _held_signals() -> Iterator[None]:
     """Hold the signals that end the program until processes that start have what they read first.
 
-    A signal that this thread blocks goes to another one, as of OpenBLAS, and Python calls its
-    handler in the main thread nonetheless.
+    A signal that this thread blocks goes to another one, as of OpenBLAS (NumPy's issue 23170), and
+    Python calls its handler in the main thread nonetheless.
     """
     handlers = {}
     if current_thread() is main_thread():
