@@ -44,6 +44,7 @@ not_under_coverage = pytest.mark.skipif(
 )
 # What needs Linux: devices such as /dev/full, process groups, limits of the shell, GNU make.
 linux_only = pytest.mark.skipif(sys.platform != "linux", reason="needs devices or signals of Linux")
+# Whole files of tests that need Linux.
 collect_ignore = (
     []
     if sys.platform == "linux"

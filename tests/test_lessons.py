@@ -151,7 +151,12 @@ def test_picture_of_each_lesson_is_small_and_its_numbers_to_check_are_printed():
 
 
 def test_change_of_the_lesson_on_separating_axes_is_drawn(here):
-    exec(LESSONS["sat"].source.replace("begins[0] - ends[1]))", "begins[0] - ends[1])[:2])"), {})
+    source = LESSONS["sat"].source
+    changed = source.replace("begins[0] - ends[1]))", "begins[0] - ends[1])[:2])")
+    assert changed != source
+    exec(changed, {})
+    with Image.open("sat.png") as picture:
+        assert min(picture.size) >= 200
 
 
 def test_labels_of_a_picture_are_chinese_on_the_chinese_page():

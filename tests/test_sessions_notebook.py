@@ -443,7 +443,8 @@ COUNT = "len([each for each in threading.enumerate() if 'pymunk-dragon' in each.
 
 @pytest.mark.thorough
 def test_eight_runs_of_a_cell_leave_one_thread_in_a_kernel():
-    with pytest.importorskip("jupyter_client").run_kernel() as client:
+    kernels = pytest.importorskip("jupyter_client", reason="jupyter_client is in the extra test")
+    with kernels.run_kernel() as client:
 
         def threads(cell, code):
             """Threads of sessions after a cell was run."""

@@ -400,7 +400,7 @@ class Run(ArrayRecord, _Origin):
 def _opened(path: str | Path) -> Iterator[tuple[dict[str, Any], Mapping[str, NDArray[Any]]]]:
     """Notes and arrays in a file that `Run.save` wrote; its contents cause all errors inside."""
     try:
-        file = Path(path).open("rb")  # noqa: SIM115 (closed below, where the content is wrong)
+        file = Path(path).open("rb")  # noqa: SIM115  # Closed below, also after an error.
     except (OSError, ValueError, TypeError) as error:
         raise ParameterError("run", str(path), f"a readable file ({reason(error)})") from error
     try:

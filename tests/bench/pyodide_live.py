@@ -29,14 +29,14 @@ def lap(name: str, parts: int = 1) -> None:
 
 
 # Each import is timed by itself.
-import numpy  # noqa: E402, F401
+import numpy  # noqa: E402, F401  # Only timed.
 
 lap("import NumPy")
-import pymunk  # noqa: E402, F401
+import pymunk  # noqa: E402, F401  # Only timed.
 
 lap("import Pymunk")
-from pymunk_dragon.sessions.scenes import named_scene  # noqa: E402
-from pymunk_dragon.sessions.session import Session  # noqa: E402
+from pymunk_dragon.sessions.scenes import named_scene  # noqa: E402  # Timed.
+from pymunk_dragon.sessions.session import Session  # noqa: E402  # Timed.
 
 lap("import sessions")
 scene = Session(named_scene("dragon")).scene

@@ -36,8 +36,8 @@ class Block(NamedTuple):
     @property
     def choices(self) -> list[str]:
         """The choices: what stands before the colon."""
-        # The second one is the Chinese colon.
-        return [re.split("[:：]", item)[0].strip("*") for item in self.items]  # noqa: RUF001
+        colons = "[:：]"  # noqa: RUF001  # The second one is Chinese.
+        return [re.split(colons, item)[0].strip("*") for item in self.items]
 
     @property
     def right(self) -> int:

@@ -43,8 +43,8 @@ def save_in_chinese_too() -> None:
                 each.set_fontproperties(font)
         save(figure, Path(name).with_suffix(".zh.png"), **options)
 
-    # For the program, which calls it; mypy allows no other function in the place of a method.
-    Figure.savefig = save_twice  # type: ignore[assignment, method-assign]
+    # The program calls it.
+    Figure.savefig = save_twice  # type: ignore[assignment, method-assign]  # Replaces a method.
 
 
 if __name__ == "__main__":

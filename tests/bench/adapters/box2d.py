@@ -48,13 +48,11 @@ class Engine(Box2D.b2ContactListener):  # type: ignore[misc]  # Box2D has no typ
                 else:
                     self.world.CreateRevoluteJoint(**bodies, **ends)
 
-    # Box2D's name.
-    def BeginContact(self, contact: Box2D.b2Contact) -> None:  # noqa: N802
+    def BeginContact(self, contact: Box2D.b2Contact) -> None:  # noqa: N802  # Box2D's name.
         first, second = contact.fixtureA.body.userData, contact.fixtureB.body.userData
         self.touched.append((min(first, second), max(first, second)))
 
-    # Box2D's name.
-    def PreSolve(self, contact: Box2D.b2Contact, old: object) -> None:  # noqa: N802
+    def PreSolve(self, contact: Box2D.b2Contact, old: object) -> None:  # noqa: N802  # Box2D's name.
         contact.enabled = False
 
     def move(self, number: int) -> None:
